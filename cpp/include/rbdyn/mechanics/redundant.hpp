@@ -38,11 +38,10 @@ struct Opening {
                                              const std::vector<int>& rows, double t, const std::vector<DoubleDouble>& x,
                                              double size, double tolerance);
 
-/// Of each velocity of a joint whether the rows that are used leave it none, here and where else they can be followed
-/// to.
-[[gnu::cold]] std::vector<bool> held_velocities(const Tree& tree, const Conditions& conditions,
-                                                const std::vector<int>& rows, double t,
-                                                const std::vector<DoubleDouble>& x, double size, double tolerance);
+/// What the rows that are used leave no motion, here and where else they can be followed to: of each velocity of a
+/// joint, then of each body whether it turns in the world, then whether its centre of mass moves.
+[[gnu::cold]] std::vector<bool> held_still(const Tree& tree, const Conditions& conditions, const std::vector<int>& rows,
+                                           double t, const std::vector<DoubleDouble>& x, double size, double tolerance);
 
 /// The same conditions with the points of those of which some rows depend on others told in axes in which what depends
 /// on what stays the same when the scene moves, if there are such: the world's, those of b, those of a; else in those

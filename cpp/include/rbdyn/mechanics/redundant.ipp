@@ -144,12 +144,11 @@ RBDYN_INLINE std::optional<Opening> opening(const Tree& tree, const Conditions& 
     return most;
 }
 
-RBDYN_INLINE std::vector<bool> held_velocities(const Tree& tree, const Conditions& conditions,
-                                               const std::vector<int>& rows, double t,
-                                               const std::vector<DoubleDouble>& x, double size, double tolerance) {
+RBDYN_INLINE std::vector<bool> held_still(const Tree& tree, const Conditions& conditions, const std::vector<int>& rows,
+                                          double t, const std::vector<DoubleDouble>& x, double size, double tolerance) {
     constexpr double none = 1e-9;  // of what it would be
-    const auto count = static_cast<std::size_t>(tree.velocities());
-    std::vector<bool> held(count, !rows.empty());
+    const auto count = static_cast<std::size_t>(tree.velocities()), bodies = static_cast<std::size_t>(tree.size());
+    std::vector<bool> held(count + 2 * bodies, !rows.empty());
     const auto look = [&](const std::vector<DoubleDouble>& q) {
         const auto here = redundant::resting(tree, t, q);
         const auto every = conditions.rows<double>(tree, here);
@@ -166,7 +165,23 @@ RBDYN_INLINE std::vector<bool> held_velocities(const Tree& tree, const Condition
                 asked.push_back(Conditions::rate(row, here) - Conditions::rate(row, moving));
             }
             const std::vector<double> changes = responses.changes(asked);
-            for (std::size_t k = 0; k < count; ++k) held[k] = held[k] && std::abs(way[k] + changes[k]) <= none * way[k];
+            for (std::size_t k = 0; k < count; ++k) {
+                held[k] = held[k] && std::abs(way[k] + changes[k]) <= none * way[k];
+                all[static_cast<std::size_t>(tree.positions()) + k] += changes[k];
+            }
+            const auto left = closing::moving<double>(tree, t, all);
+            for (std::size_t i = 0; i < bodies; ++i) {
+                // what drives move is not held
+                const auto is_none = [&](const Vector3& rate, const Vector3& would_be) {
+                    return rate.norm() <= none * would_be.norm();
+                };
+                const auto center = [&](const Moving<double>& m) {
+                    return m.velocity_at(m.to_world(exactly<double>(tree.node(static_cast<int>(i)).center)));
+                };
+                const std::size_t turns = count + i, moves = turns + bodies;
+                held[turns] = held[turns] && is_none(left[i].omega, moving[i].omega);
+                held[moves] = held[moves] && is_none(center(left[i]), center(moving[i]));
+            }
         }
     };
     look(x);

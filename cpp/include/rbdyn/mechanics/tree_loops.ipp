@@ -135,8 +135,13 @@ RBDYN_INLINE void TreeModel::choose_rows() {
                 " m; start beside such a place (bars in one line, a rod across a rail), or hold what "
                 "cannot move with a Weld or a Fixed joint");
     const mechanics::closing::Responses responses(*tree_, *conditions_, rows_, all);
-    mechanics::solve_definite<double>(responses.matrix(), std::vector<double>(rows_.size(), 0.0), &first_pivots_);
-    held_ = mechanics::held_velocities(*tree_, *conditions_, rows_, 0.0, x, size, loosest_);
+    const auto matrix = responses.matrix();
+    mechanics::solve_definite<double>(matrix, std::vector<double>(rows_.size(), 0.0), &first_pivots_);
+    // of a pivot: what of it is left has fewer than ten digits
+    constexpr double uneven = 0x1p-20;
+    for (std::size_t j = 0; j < rows_.size(); ++j)
+        is_uneven_ = is_uneven_ || !(first_pivots_[j] > uneven * matrix[j][j]);
+    held_ = mechanics::held_still(*tree_, *conditions_, rows_, 0.0, x, size, loosest_);
     size_ = size;
     units_ = mechanics::closing::Responses(*tree_, *conditions_, every, all).extents();
     has_choice_ =

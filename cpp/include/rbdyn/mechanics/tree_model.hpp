@@ -576,8 +576,9 @@ private:
     std::vector<std::shared_ptr<const mechanics::Tree>> trees_;  // by which of the loose beads fly
     std::vector<int> rows_;                                      // of the constraints, those that are used
     bool has_choice_ = false;                                    // others could be used in their place
+    bool is_uneven_ = false;                                     // J M^-1 J^T has lost digits where it starts
     std::vector<double> units_;                                  // of all rows, what they could be where it starts
-    std::vector<bool> held_;                                     // of each velocity whether they leave it none
+    std::vector<bool> held_;                                     // what they leave no motion: see held_still()
     double size_ = 0.0;                                          // of the scene as it starts, if it has constraints [m]
     std::vector<double> first_pivots_;                           // of these, where the scene starts
     double loosest_ = 0.0;  // the gap that constraints with other rows may have [m]

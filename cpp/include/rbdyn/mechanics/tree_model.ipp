@@ -342,13 +342,23 @@ RBDYN_INLINE void TreeModel::observe(const Mode& mode, double t, std::span<const
                                      std::vector<Observed>& out) const {
     out.clear();
     const mechanics::TreeState state = look(mode, t, x);
+    const auto body_held = [&](int which) { return !held_.empty() && held_[at(tree_->velocities() + which)]; };
+    double fastest = 0.0;
+    for (int i = 0; i < 2 * tree_->size(); ++i)
+        if (body_held(i)) fastest = mechanics::fastest(state.moving, size_);
+    const auto turn_held = [&](int i) {
+        return size_ > 0.0 && body_held(i) ? static_cast<float>(fastest / size_) : 0.0F;
+    };
+    const auto place_held = [&](int i, double scale) {
+        return body_held(tree_->size() + i) ? static_cast<float>(scale) : 0.0F;
+    };
     for (int i = 0; i < bodies(); ++i) {
         const mechanics::TreeState::Body& b = state.bodies[at(i)];
         const mechanics::Moving<double>& m = state.moving[at(i)];
         const mechanics::Node& n = tree_->node(i);
         const double mass = static_cast<double>(n.mass);
-        out.push_back({b.center, true, 0.0, b.center.norm(), Alike::place});
-        out.push_back({b.velocity, false, 0.0, b.velocity.norm(), Alike::velocity,
+        out.push_back({b.center, true, 0.0, b.center.norm(), Alike::place, place_held(i, size_)});
+        out.push_back({b.velocity, false, 0.0, b.velocity.norm(), Alike::velocity, place_held(i, fastest),
                        mass > 0.0 ? b.effort.force.norm() / mass : 0.0});
         if (!n.is_point) {
             for (const Vector3* axis : {&m.axes.e1, &m.axes.e2, &m.axes.e3}) out.push_back({*axis, false, 1.0, 1.0});
@@ -356,7 +366,7 @@ RBDYN_INLINE void TreeModel::observe(const Mode& mode, double t, std::span<const
             const double moments = b.inertia(0, 0) + b.inertia(1, 1) + b.inertia(2, 2),
                          gyration = mass > 0.0 ? std::sqrt(moments / mass) : 0.0,
                          natural = gyration > 0.0 ? std::sqrt(b.effort.force.norm() / (mass * gyration)) : 0.0;
-            out.push_back({m.omega, false, 0.0, std::max(m.omega.norm(), natural), Alike::turning});
+            out.push_back({m.omega, false, 0.0, std::max(m.omega.norm(), natural), Alike::turning, turn_held(i)});
         }
         const bool is_free = n.joint.as<mechanics::FreePointLaw>() != nullptr ||
                              n.joint.as<mechanics::FreeBodyLaw>() != nullptr || is_flying(mode, i);
@@ -447,6 +457,7 @@ RBDYN_INLINE std::unique_ptr<Structure> TreeModel::record(const Mode& mode, cons
     const mechanics::Tree& in_mode = *tree_in(mode);
     mechanics::TreeWriter tree(r, in_mode, *conditions_, *exerted_, joints_, rows,
                                {mode.slip.begin(), mode.slip.begin() + first_loose()});
+    if (is_uneven_) tree.make_up();
     const int n = variables();
     const bool stands_still = holds_all(rows) || is_standing(mode);
     auto result = written(

@@ -28,7 +28,8 @@ namespace tree_rows {
 /// In powers of ten: what others are at least better by, and how much rows lose between two looks at them.
 inline constexpr double better = 0.3, much_better = 1.0, loss = 1.0;
 /// Looks in vain, after which all rows lose rank; and the powers of ten that are guarded.
-inline constexpr int most_looks = 3, least = 30;
+inline constexpr signed char most_looks = 3;
+inline constexpr int least = 30;
 
 }  // namespace tree_rows
 
@@ -97,7 +98,9 @@ RBDYN_INLINE void TreeModel::renew_rows(Mode& mode, double t, std::span<const do
         for (const int r : others) flags[r] = 1;
         now = then;
     }
-    looks = has_lost && !is_better ? static_cast<signed char>(looks + 1) : static_cast<signed char>(0);
+    // where all have lost rank and have it back, as a linkage that goes round has each turn, one look in vain is enough
+    // for the next time: deeper ones would come as near to that place as a change of the mode must not
+    looks = is_better ? 0 : level < 0 ? tree_rows::most_looks : has_lost ? looks + 1 : 0;
     if (looks > tree_rows::most_looks) {
         // all of them lose rank: they are looked at again where they have it back
         level = static_cast<signed char>(-level);
@@ -133,7 +136,8 @@ RBDYN_INLINE std::vector<double> TreeModel::pivots_of(const Mode& mode, double t
 
 RBDYN_INLINE std::vector<VariableGroup> TreeModel::groups_in(const mechanics::Tree& tree, bool is_constrained) const {
     std::vector<VariableGroup> groups = tree.groups(is_constrained);
-    if (std::find(held_.begin(), held_.end(), true) == held_.end() || !(size_ > 0.0)) return groups;
+    const auto none = std::find(held_.begin(), held_.end(), true) - held_.begin();
+    if (none >= tree.velocities() || !(size_ > 0.0)) return groups;
     // what has no motion is as large as the rest, by that by which MotionScales lets others be smaller
     constexpr double smaller = 0x1p-20;
     const auto start = moving(0.0, TreeModel::start(0.0));
@@ -143,15 +147,21 @@ RBDYN_INLINE std::vector<VariableGroup> TreeModel::groups_in(const mechanics::Tr
             const int first = is_position ? n.q : tree.positions() + n.v, k = g.first - first,
                       count = is_position ? n.joint.positions() : n.joint.velocities();
             if (k < 0 || k >= count || n.joint.rail() != nullptr) continue;
-            if (n.joint.attitude() >= 0) {
-                if (is_position && k == n.joint.attitude()) g.alike = Alike::place, g.measure = size_;
+            // an attitude has four numbers
+            const auto one = held_.begin() + n.v + k;
+            const bool is_held = std::all_of(one, one + std::min(g.count, 3), [](bool is) { return is; });
+            if (const int turn = n.joint.attitude(); turn >= 0) {
+                if (k != turn && (k != 0 || g.count != 3)) continue;
+                g.alike = is_position ? Alike::place : Alike::turning;
+                g.measure = is_position ? (k == turn ? size_ : 1.0) : (k == turn ? 1.0 : 1.0 / size_);
+                if (is_held && (k != turn || !is_position)) g.measure *= smaller;
                 continue;
             }
             const auto& twist = start[at(static_cast<int>(&n - tree.nodes().data()))].joint[at(k)];
             const bool turns = !twist.turn.isZero(0.0);
             g.alike = is_position ? Alike::place : Alike::turning;
             g.measure = is_position ? (turns ? size_ : 1.0) : (turns ? 1.0 : 1.0 / size_);
-            if (held_[at(n.v + k)]) g.measure *= smaller;
+            if (is_held) g.measure *= smaller;
         }
     return groups;
 }

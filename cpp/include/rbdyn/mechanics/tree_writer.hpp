@@ -43,6 +43,9 @@ public:
                const std::vector<RoughJoint>& joints, const std::vector<int>& rows,
                const std::vector<signed char>& states);
 
+    /// That the multipliers of constraints are solved for again, for what they lack of what is asked: with a heavy body
+    /// on a light one their matrix has fewer digits than they.
+    void make_up() { makes_up_ = true; }
     /// The rates of all variables, and what acts, in the layout of tree_state.hpp.
     std::vector<S> laws();
     /// Takes them as they are in the motion, each distinction weighed once.
@@ -145,6 +148,7 @@ private:
     std::vector<S> q_, v_, values_, pivots_;
     int drives_ = -1, surfaces_ = -1;
     std::vector<Moving<S>> moving_;
+    bool makes_up_ = false;
 };
 
 }  // namespace mechanics

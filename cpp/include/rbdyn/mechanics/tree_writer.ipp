@@ -216,6 +216,7 @@ RBDYN_INLINE std::vector<Expression> TreeWriter::laws() {
             for (std::size_t j = 0; j < (sliding.empty() ? i + 1 : b.size()); ++j)
                 a[i][j] = tree.between(responses[i], pushes[j]);
         std::vector<S> found, pivots;
+        const std::vector<std::vector<S>> matrix = makes_up_ && sliding.empty() ? a : std::vector<std::vector<S>>();
         if (sliding.empty()) {
             found = solve_definite<S>(std::move(a), std::move(b), &pivots);
         } else {
@@ -231,6 +232,16 @@ RBDYN_INLINE std::vector<Expression> TreeWriter::laws() {
         for (std::size_t j = 0; j < found.size(); ++j) {
             multipliers[order[j]] = found[j];
             for (const auto& [n, one] : pushes[j]) u[at(n)] += one * found[j];
+        }
+        if (!matrix.empty()) {
+            std::vector<S> lacks;
+            for (std::size_t j = 0; j < order.size(); ++j)
+                lacks.push_back(-(solved.rows[j].bias + tree.along(responses[j], u)));
+            const std::vector<S> more = solve_definite<S>(matrix, std::move(lacks));
+            for (std::size_t j = 0; j < more.size(); ++j) {
+                multipliers[order[j]] += more[j];
+                for (const auto& [n, one] : pushes[j]) u[at(n)] += one * more[j];
+            }
         }
     }
     const std::vector<S> rubbing = add_friction(tree, acts, solved, u, multipliers);

@@ -59,6 +59,7 @@ struct Observed {
     double size = 0.0;         // its own size, if that is more than its length
     double whole = 0.0;        // what it is a difference of: far below this it is rounding
     Alike alike = Alike::nothing;
+    float held = 0.0F;   // of what constraints hold at zero: what it would be, did it move like all else
     double drive = 0.0;  // m/s^2: of a velocity that follows its position, the sizes of accelerations that make it up
 };
 

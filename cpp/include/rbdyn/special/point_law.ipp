@@ -105,7 +105,7 @@ RBDYN_INLINE PointReport PointLaw::observe_motion(const LawsNow& now, std::vecto
             effort += effort_of(c.coupling, now.laws.ends<double>(c, now.t, now.states), 0.0);
     }
     out.push_back({r.position, true, 0.0, r.position.norm(), Alike::place});
-    out.push_back({r.velocity, false, std::abs(r.rail_speed), r.velocity.norm(), Alike::velocity, effort / mass});
+    out.push_back({r.velocity, false, std::abs(r.rail_speed), r.velocity.norm(), Alike::velocity, 0.0F, effort / mass});
     return r;
 }
 

@@ -176,7 +176,7 @@ RBDYN_INLINE void RigidLaw::report(const LawsNow& now, Asked asked, BodyReport& 
 RBDYN_INLINE void RigidLaw::observe_center(const RigidReport& r, const LawsNow& now, std::vector<Observed>& out) const {
     const SingleState<double>& p = now.state(index);
     out.push_back({p.r, true, 0.0, p.r.norm(), Alike::place});
-    out.push_back({p.v, false, 0.0, p.v.norm(), Alike::velocity, r.force_effort / mass});
+    out.push_back({p.v, false, 0.0, p.v.norm(), Alike::velocity, 0.0F, r.force_effort / mass});
 }
 
 RBDYN_INLINE void RigidLaw::observe_axes(const RigidReport& r, std::vector<Observed>& out) {

@@ -103,8 +103,11 @@ private:
     bool ends_at_once(const Record& run, std::size_t piece, Instant at) const;
 
     /// Where constraints all but lose rank forces, which may be infinite where they do, are known to rounding over the
-    /// distance. Whether that is less than is wanted from any state in doubles.
-    bool weigh_forces(const Mode& mode, double t, std::span<const double> x);
+    /// distance. Whether that is less than is wanted from any state in doubles. `nearer`: how much nearer it is than
+    /// where that is noticed, at least 1.
+    bool weigh_forces(const Mode& mode, double t, std::span<const double> x, double& nearer);
+    /// Forces that are none but for what rounding has become so much nearer to there are zero, in both motions.
+    void leave_out_rounding(double nearer);
     /// Whether that is to be asked: one of the motions passes such a place, or forces of the two differ.
     bool is_doubtful() const;
     static bool is_force(const Observed& o) { return o.alike == Alike::force || o.alike == Alike::torque; }

@@ -308,7 +308,9 @@ RBDYN_INLINE void AccuracyCheck::compare_at(const Place& place, const Record& ru
                &fine_mode = is_formula(better) ? better.modes.front() : better.mode(place.fine_piece);
     model_.observe(mode, at.hi, x_, seen_);
     model_.observe(fine_mode, at.hi, y_, fine_);
-    const bool is_lost = is_doubtful() && weigh_forces(fine_mode, at.hi, y_);
+    double nearer = 1.0;
+    const bool is_lost = is_doubtful() && weigh_forces(fine_mode, at.hi, y_, nearer);
+    leave_out_rounding(nearer);
     scales_.widen(fine_);
     const bool has_forces = !is_lost && !ends_at_once(run, place.piece, at);
     note(1.0, false, has_forces);
@@ -318,6 +320,7 @@ RBDYN_INLINE void AccuracyCheck::compare_at(const Place& place, const Record& ru
         x_ = y_;
         for (double& x : x_) x = std::nextafter(x, 2.0 * x);
         model_.observe(fine_mode, at.hi, x_, seen_);
+        leave_out_rounding(nearer);
         note(0.5, true, has_forces);
     }
     last_ = at.hi;
@@ -333,11 +336,12 @@ RBDYN_INLINE bool AccuracyCheck::ends_at_once(const Record& run, std::size_t pie
     return false;
 }
 
-RBDYN_INLINE bool AccuracyCheck::weigh_forces(const Mode& mode, double t, std::span<const double> x) {
+RBDYN_INLINE bool AccuracyCheck::weigh_forces(const Mode& mode, double t, std::span<const double> x, double& nearer) {
     // not farther away than forces are to be known from anywhere, nor nearer than the distance itself is known
     constexpr double rounding = 64.0 * std::numeric_limits<double>::epsilon(), least = 0x1p-20, widest = 0x1p-6;
     const double near = model_.independence(mode, t, x);
     const bool is_lost = near < std::clamp(rounding / wanted_, least, widest);
+    nearer = std::max(1.0, widest / near);
     for (Observed& o : fine_) {
         // nothing is measured against forces that are as large as a place there is near
         if (is_lost) {
@@ -346,10 +350,22 @@ RBDYN_INLINE bool AccuracyCheck::weigh_forces(const Mode& mode, double t, std::s
             if (is_force(o)) o = {.alike = o.alike};
         } else if (is_force(o)) {
             // their rounding is over the distance, also of those that are none
-            o.whole *= std::max(1.0, widest / near);
+            o.whole *= nearer;
         }
     }
     return is_lost;
+}
+
+RBDYN_INLINE void AccuracyCheck::leave_out_rounding(double nearer) {
+    if (!(nearer > 1.0)) return;
+    // multipliers are known to rounding over the square of the distance; once it is in `whole`
+    constexpr double nothing = 1e3 * std::numeric_limits<double>::epsilon();
+    for (std::size_t k = 0; k < fine_.size(); ++k) {
+        const double rounding = nothing * nearer * fine_[k].whole;
+        if (!is_force(fine_[k]) || !(safe_norm(fine_[k].value) <= rounding)) continue;
+        fine_[k].value = Vector3::Zero();
+        if (safe_norm(seen_[k].value) <= 2.0 * rounding) seen_[k].value = Vector3::Zero();
+    }
 }
 
 RBDYN_INLINE bool AccuracyCheck::is_doubtful() const {

@@ -1,7 +1,8 @@
 // What errors of a motion are measured against: the scales of all that is seen of it.
 //
 // Positions are measured by the extent of their body's motion, all else by its largest magnitude; of bodies that belong
-// together by least_share() of the largest of their kind at least.
+// together by least_share() of the largest of their kind at least. What constraints hold at zero, and what is no more
+// than rounding or the error wanted of what moves, is measured by what moves.
 #pragma once
 
 #include <cstddef>
@@ -43,8 +44,9 @@ private:
         double size = 0.0, whole = 0.0, scale = 0.0, drive = 0.0;
         bool is_position = false, is_any = false;
         Alike alike = Alike::nothing;
+        float held = 0.0F;
     };
-    static constexpr std::size_t kinds = 5, numbers_each = 11;
+    static constexpr std::size_t kinds = 5, numbers_each = 12;
 
     std::vector<Scale> scales_;
 };

@@ -20,7 +20,7 @@ RBDYN_INLINE std::vector<double> ErrorScales::numbers() const {
     std::vector<double> all;
     for (const Scale& s : scales_)
         all.insert(all.end(), {s.low[0], s.low[1], s.low[2], s.high[0], s.high[1], s.high[2], s.size, s.whole, s.drive,
-                               s.is_position ? 1.0 : 0.0, static_cast<double>(s.alike)});
+                               s.held, s.is_position ? 1.0 : 0.0, static_cast<double>(s.alike)});
     return all;
 }
 
@@ -34,8 +34,9 @@ RBDYN_INLINE ErrorScales ErrorScales::of(std::span<const double> numbers) {
         s.size = n[6];
         s.whole = n[7];
         s.drive = n[8];
-        s.is_position = n[9] != 0.0;
-        const double alike = n[10] >= 0.0 && n[10] < static_cast<double>(kinds) ? n[10] : -1.0;
+        s.held = static_cast<float>(n[9]);
+        s.is_position = n[10] != 0.0;
+        const double alike = n[11] >= 0.0 && n[11] < static_cast<double>(kinds) ? n[11] : -1.0;
         s.alike = static_cast<Alike>(static_cast<int>(alike));
     }
     return result;
@@ -51,6 +52,7 @@ RBDYN_INLINE void ErrorScales::widen(std::span<const Observed> seen) {
         s.size = std::max({s.size, safe_norm(o.value), o.size});
         s.whole = std::max(s.whole, o.whole);
         s.drive = std::max(s.drive, o.drive);
+        s.held = std::max(s.held, o.held);
         s.is_position = o.is_position;
         s.alike = o.alike;
     }
@@ -89,6 +91,10 @@ RBDYN_INLINE void ErrorScales::settle(double wanted, double span) {
         if (kind == velocity && largest[kind] > 0.0)
             s.scale = std::max(s.scale, least_share(wanted, pace / largest[kind]) * largest[kind]);
     }
+    // what is held is zero, and all that is seen of it an error
+    constexpr double rounding = 1e-9;
+    for (Scale& s : scales_)
+        if (s.scale <= std::max(rounding, wanted) * s.held) s.scale = s.held;
 }
 
 RBDYN_INLINE double ErrorScales::relative(std::size_t what, double difference) const {
