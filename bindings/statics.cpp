@@ -99,11 +99,12 @@ A heavy body on a ball joint has the vertical; `coordinates` are then one of the
         py::arg("scene"), py::arg("near") = py::none(),
         R"(The states of rest of a scene, velocities zero (eqs. 7.16, 7.60).
 
-One bead on a rail, one body on a hinge or a slide: all there are, in order of the coordinate. A hinge is searched for one
-turn, with a torsion spring as far as that lets there be any, 1000 turns to both sides at most. A slide, or a rail without
-ends that is not closed, is searched on both sides of `near`, its coordinate (the start otherwise), as far as 32 Taylor
-series on each side go, each up to twice as long as the one before. On a rough rail each is an `interval`. A bead that is
-only pressed against an end of its rail is in none.
+One bead on a rail, one body on a hinge or a slide with all that is fixed to it: all there are, in order of the coordinate.
+A hinge is searched for one turn, with a torsion spring as far as that lets there be any, 1000 turns to both sides at most.
+A slide, a rail without ends that is not closed, or a hinge with a torque that is another one after a turn, is searched
+on both sides of `near`, its coordinate (the start otherwise), as far as 32 Taylor series on each side go, each up to twice
+as long as the one before. On a rough rail each is an `interval`. A bead that is only pressed against an end of its rail is
+in none.
 One body on a ball joint: those found from `near`, or from its start, and from attitudes spread over all; stable ones
 first. A heavy body has two, its centre of mass below and above the point that is held, free to turn about the vertical
 (`axes`): the attitudes given are those reached without such a turn.

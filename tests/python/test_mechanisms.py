@@ -235,3 +235,27 @@ def test_a_bar_that_a_loop_keeps_at_rest_makes_no_steps_short(engine, rtol):
     known = solve_ivp(lambda t, x: [x[1], -weight / moment * np.cos(x[0])], (0, 1), [0.8, 0], rtol=1e-12, atol=1e-13)
     assert abs(run[left].angle(1.0) - known.y[0, -1]) < 1000 * rtol
     assert abs(run[held].angle(1.0)) < 1000 * rtol
+
+
+def test_a_parallelogram_is_flat_when_its_passage_is_told():
+    """Constraints are all but dependent within 3e-6 rad of there: of 120 of these, five were told as much too soon."""
+    z, refused = [0, 0, 1], 0
+    for seed in range(150):
+        draw = np.random.default_rng(seed)
+        start = {"angle": draw.uniform(-1.2, -0.3), "rate": draw.uniform(5, 9)}
+        scene = rb.Scene(gravity=[0, -9.81, 0])
+        crank = rb.RigidBody(1.0, [0.1] * 3, com=[0.5, 0, 0])
+        left = scene.add(crank, rb.Revolute(z), **start)
+        right = scene.add(crank, rb.Revolute(z, at=[1.5, 0, 0]), **start)
+        bar = rb.RigidBody(2.0, [0.1] * 3, com=[0.75, 0, 0])
+        top = scene.add(bar, rb.Revolute(z, at=[1, 0, 0]), parent=left, angle=-start["angle"], rate=-start["rate"])
+        scene.constrain(rb.Ball(), top.point([1.5, 0, 0]), right.point([1, 0, 0]))
+        try:
+            run = rb.simulate(scene, 0.8, error=1e-9)
+        except rb.AccuracyError:
+            refused += 1
+            continue
+        for event in run.events:
+            late = abs(np.sin(run[left].angle(event.time)) / run[left].rate(event.time))
+            assert late < 1e-9 * event.time, seed
+    assert refused < 5

@@ -102,3 +102,39 @@ def test_an_end_of_a_rod_bounces_while_the_other_rests(e):
         assert abs(found[k] - t) < 1e-14, k
     # what is left after 1e-14 of the first speed
     assert (run.events[-1].kind, abs(run.events[-1].time - limit) < 1e-14) == ("accumulation", True)
+
+
+def dropped(e, *, slide=None, along=0.0):
+    """A ball dropped from half a metre on a table, which may be on a rough slide; when its bounces end."""
+    scene = rb.Scene(gravity=[0, -G, 0])
+    ball = scene.add(
+        rb.RigidBody(1.0, [0.1, 0.1, 0.1]), rb.Planar([1, 0, 0], [0, 1, 0]), position=[0, 1], velocity=[along, 0]
+    )
+    if slide is None:
+        table = rb.Plane([0, 1, 0])
+    else:
+        table = scene.add(rb.RigidBody(2.0, [1, 1, 1]), slide).plane([0, 1, 0])
+    scene.contact(ball.sphere(0.5), table, restitution=e)
+    return scene, np.sqrt(1 / G) * (1 + e) / (1 - e)
+
+
+@pytest.mark.parametrize("e", [0.3, 0.5, 0.7, 0.9])
+@pytest.mark.parametrize("along", [0.0, 1.0])
+def test_every_impact_of_a_ball_is_told_down_to_1e_12_of_the_first(e, along):
+    scene, end = dropped(e, along=along)
+    run = rb.simulate(scene, end + 0.5, error=1e-12)
+    impulses = np.array([event.impulse[1] for event in run.events if event.kind == "impact"])
+    k = np.arange(len(impulses))
+    assert impulses == pytest.approx(np.sqrt(G) * (1 + e) * e**k, rel=1e-9, abs=1e-14)
+    assert impulses[-1] < 1e-12 * impulses[0]
+    (ends,) = run.events.times("accumulation")
+    assert abs(ends - end) < 1e-13
+
+
+@pytest.mark.parametrize("e", [0.3, 0.5, 0.7, 0.9])
+def test_beside_friction_in_a_joint_bounces_end_when_their_series_does(e):
+    """They are followed to some 1e-6 s of their end there; what is left takes the time of a geometric series."""
+    scene, end = dropped(e, slide=rb.Prismatic([1, 0, 0], friction=rb.Coulomb(0.5)))
+    run = rb.simulate(scene, end + 0.5, error=1e-10)
+    (ends,) = run.events.times("accumulation")
+    assert abs(ends - end) < 1e-10 * end

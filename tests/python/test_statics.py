@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 import rbdyn as rb
 from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 
 CIRCLE = rb.Circle(radius=0.5, start=[0, 0, -1], toward=[1, 0, 0])
+ROD = rb.shapes.rod(1.0, 1.0, along=[0, 0, 1])
 
 
 def hoop(**rail):
@@ -72,6 +74,20 @@ def test_the_potential_of_a_pendulum():
     round_ = potential.turning_points(potential.energy(0.0, 7.0), 0.0)
     assert round_.below is None and round_.above is None
     assert repr(round_) == "TurningPoints(below=None, above=None)"
+
+
+@pytest.mark.skipif(np.finfo(np.longdouble).eps > 1e-18, reason="long double is double here")
+def test_turning_points_are_known_to_two_units_in_the_last_place():
+    """cos u = 1 - 2 E / (m g R), beside what the rounding of E makes of it, E cot u / 2 in units of u."""
+    real, random = np.longdouble, np.random.default_rng(1)
+    scene, bead = hoop()
+    potential = rb.rail_potential(scene, bead)
+    for start in random.uniform(0.05, 3.1, 60):
+        energy = potential.energy(start)
+        known = np.arccos(1 - real(energy) / (real(0.7) * real(9.8125) * real(0.5)))
+        found = potential.turning_points(energy, start=0.0)
+        for angle in (-found.below, found.above):
+            assert abs((angle - known) / known) < 4.4e-16 * (1 + abs(1 / np.tan(known)))
 
 
 def test_a_force_of_position_conserves_energy_along_its_rail():
@@ -148,6 +164,74 @@ def test_of_a_pendulum_on_a_soft_torsion_spring_every_equilibrium_is_found():
         assert [e.stable for e in found] == [k % 2 == 0 for k in range(len(found))]
 
 
+def zeros(moment, low, high):
+    """All zeros of a function whose changes of sign are no nearer to each other than 1e-5."""
+    x = np.linspace(low, high, round((high - low) / 1e-5)) + 1e-7
+    sides = np.sign(moment(x))
+    return [brentq(moment, x[k], x[k + 1], xtol=1e-15) for k in np.nonzero(np.diff(sides))[0]]
+
+
+RIPPLES = [(k, a, p) for k in (1, 8, 13, 20, 27, 33, 40, 60) for a, p in ((0.4, 0.2), (1.1, 3.08), (2.6, 5.0))]
+
+
+@pytest.mark.parametrize(("wave", "size", "phase"), RIPPLES)
+@pytest.mark.parametrize("carries", [False, True])
+def test_every_rest_among_the_ripples_of_a_torque_is_found(wave, size, phase, carries):
+    scene, hinge = body_on(rb.Revolute([0, 1, 0], point=[0, 0, 0.5]), body=ROD)
+    scene.apply(rb.JointTorque(lambda t, q, rate: size * np.sin(wave * q + phase)), hinge)
+    weight, inertia = 0.5 * 9.8125, 1.0 / 3
+    if carries:
+        # a ball at its foot
+        ball = rb.RigidBody(0.5, [0.25, 0.25, 0.25])
+        scene.add(ball, rb.Fixed(at=[0, 0, -0.5]), parent=hinge)
+        weight, inertia = weight + 0.5 * 9.8125, inertia + 0.25 + 0.5
+
+    def moment(q):
+        return -weight * np.sin(q) + size * np.sin(wave * q + phase)
+
+    states = rb.equilibria(scene)
+    found = np.array([state.coordinates[0] for state in states])
+    assert ((-math.pi < found) & (found <= math.pi + 1e-15)).all()
+    assert found == pytest.approx(zeros(moment, -math.pi, math.pi), abs=1e-12)
+    for state, q in zip(states, found, strict=True):
+        slope = -weight * math.cos(q) + size * wave * math.cos(wave * q + phase)
+        assert state.decided and state.stable == (slope < 0)
+        if state.stable:
+            assert state.periods == pytest.approx([2 * math.pi * math.sqrt(-inertia / slope)], rel=1e-11)
+
+
+def test_a_torque_that_counts_turns_is_searched_on_both_sides():
+    scene, hinge = body_on(rb.Revolute([0, 1, 0], point=[0, 0, 0.5]), body=ROD)
+    scene.apply(rb.JointTorque(lambda t, q, rate: -0.3 * q), hinge)
+    wound = rb.Scene(gravity=[0, 0, -9.8125])
+    wound.apply(rb.TorsionSpring(0.3), wound.add(ROD, rb.Revolute([0, 1, 0], point=[0, 0, 0.5])))
+    known = [state.coordinates[0] for state in rb.equilibria(wound)]
+    assert len(known) > 5
+    assert [state.coordinates[0] for state in rb.equilibria(scene)] == pytest.approx(known, abs=1e-13)
+    # half turns at a time: the same after two
+    slow, hinge = body_on(rb.Revolute([0, 1, 0], point=[0, 0, 0.5]), body=ROD)
+    slow.apply(rb.JointTorque(lambda t, q, rate: 2.0 * np.sin(0.5 * q + 0.1)), hinge)
+    found = np.array([state.coordinates[0] for state in rb.equilibria(slow)])
+    known = zeros(lambda q: -0.5 * 9.8125 * np.sin(q) + 2.0 * np.sin(0.5 * q + 0.1), -4 * math.pi, 4 * math.pi)
+    assert found[abs(found) < 4 * math.pi] == pytest.approx(known, abs=1e-12)
+
+
+def test_a_slide_beside_what_is_fixed_finds_all_its_rests():
+    scene = rb.Scene()
+    post = scene.add(rb.RigidBody(1.0, [1, 1, 1]), rb.Fixed(at=[1, 0, 0]))
+    car = scene.add(rb.RigidBody(2.0, [1, 1, 1]), rb.Prismatic([1, 0, 0]), parent=post)
+    scene.add(rb.RigidBody(1.0, [1, 1, 1]), rb.Fixed(), parent=car)
+    scene.apply(rb.JointForce(lambda t, q, rate: np.sin(25 * q) - 2.0 * q), car)
+    states = rb.equilibria(scene)
+    known = zeros(lambda q: np.sin(25 * q) - 2.0 * q, -0.6, 0.6)
+    assert [state.coordinates[0] for state in states] == pytest.approx(known, abs=1e-13)
+    for state in states:
+        slope = 25 * math.cos(25 * state.coordinates[0]) - 2.0
+        assert state.stable == (slope < 0)
+        if state.stable:
+            assert state.periods == pytest.approx([2 * math.pi * math.sqrt(-3.0 / slope)], rel=1e-12)
+
+
 def test_a_wheel_in_balance_is_indifferent():
     scene, _ = body_on(rb.Revolute([0, 0, 1]), angle=0.25)
     (state,) = rb.equilibria(scene)
@@ -220,6 +304,9 @@ def test_the_search_goes_where_a_slow_damped_motion_does(wave, off):
     scene = rb.Scene()
     hinge = scene.add(rb.RigidBody(1.0, [1, 1, 1]), rb.Revolute([0, 0, 1]), angle=start)
     scene.apply(rb.JointTorque(lambda t, q, rate: -np.sin(wave * q) - 0.01 * q), hinge)
+    # of one hinge alone all states of rest are found
+    wheel = scene.add(rb.RigidBody(1.0, [1, 1, 1]), rb.Revolute([0, 0, 1]))
+    scene.apply(rb.TorsionSpring(1.0), wheel)
     slow = solve_ivp(lambda t, q: -np.sin(wave * q) - 0.01 * q, (0, 100), [start], rtol=1e-9, atol=1e-12)
     (found,) = rb.equilibria(scene)
     assert abs(found.coordinates[0] - slow.y[0, -1]) < 1e-9

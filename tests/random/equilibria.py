@@ -2,8 +2,8 @@
 
 Potentials with a minimum, a maximum or an inflection of known order at a known place, of any scale; forces with known
 zeros of known orders, their signs in exact fractions; rods on torsion springs as near to their critical stiffness as
-1e-10; valleys of two freedoms, bent, at whose floor the potential goes as a power. Prints what is missed, false, or
-judged wrongly; exits with their number.
+1e-10, and under torques that go up and down up to sixty times a turn; valleys of two freedoms, bent, at whose floor the
+potential goes as a power. Prints what is missed, false, or judged wrongly; exits with their number.
 """
 
 import math
@@ -147,7 +147,37 @@ def wrong(kind, random):
     return None
 
 
-KINDS = [one_power, wells, marginal, upright_rod, valley]
+def ripples(random):
+    """A pendulum under a torque a sin(k q + p), k to 60, alone or with a torsion spring: where the moment changes sign
+    on a grid of 1e-5 of a radian, found by halving. Scenes with two zeros within 1e-4 of each other are drawn anew."""
+    wave, size, phase = int(random.integers(1, 61)), random.uniform(0.3, 3.0), random.uniform(0, 2 * math.pi)
+    stiffness = random.choice([0.0, random.uniform(0.5, 3.0)])
+    scene = rb.Scene(gravity=[0, 0, -9.8125])
+    rod = rb.shapes.rod(1.0, 1.0, along=[0, 0, 1])
+    hinge = scene.add(rod, rb.Revolute([0, 1, 0], point=[0, 0, 0.5]), angle=random.uniform(-1, 1))
+    scene.apply(rb.JointTorque(lambda t, q, rate: size * np.sin(wave * q + phase)), hinge)
+    if stiffness > 0:
+        scene.apply(rb.TorsionSpring(stiffness), hinge)
+
+    def moment(q):
+        return -0.5 * 9.8125 * np.sin(q) + size * np.sin(wave * q + phase) - stiffness * q
+
+    reach = math.pi if stiffness == 0 else (5.0 + size) / stiffness
+    q = np.linspace(-reach, reach, round(2e5 * reach)) + 1e-7
+    changes = np.nonzero(np.diff(np.sign(moment(q))))[0]
+    low, high = q[changes].copy(), q[changes + 1].copy()
+    rises = moment(low) < 0
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        is_below = (moment(middle) < 0) == rises
+        low, high = np.where(is_below, middle, low), np.where(is_below, high, middle)
+    if np.diff(low).size and np.diff(low).min() < 1e-4:
+        return ripples(random)
+    expected = [(place, not rise) for place, rise in zip(low, rises, strict=True)]
+    return f"rod under {size} sin({wave} q + {phase}), spring {stiffness}", scene, expected, 1e-10
+
+
+KINDS = [one_power, wells, marginal, upright_rod, valley, ripples]
 
 
 def main(scenes=2000, seed=1):

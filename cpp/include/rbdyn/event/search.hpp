@@ -179,6 +179,10 @@ private:
     /// Where near a place of the piece, in its units, a value is least, if that is 1 at most; c: its series, if known.
     template <class F>
     std::optional<double> least_near(const F& exact, const double* c, double place) const;
+    /// The place near one that is found where a guard is least, by its values: what a series that is cut off makes of
+    /// what is all but zero for a while is known to no better than that while. `apart`: how far the next such place is.
+    template <class F>
+    double sharpened(const F& exact, double place, double apart) const;
 
     /// The state that the polynomial of the engine's piece gives; until it is asked for the next time.
     std::span<const double> state_of_piece(double tau);
@@ -309,7 +313,8 @@ private:
     std::vector<int> ended_;        // contacts whose force came to zero as the last mode ended, where no more fired
     // guards that passed zero at the end of the run, and where the one ended that this goes on with: they begin at it
     std::vector<bool> passed_at_end_, passed_before_;
-    std::vector<bool> stays_;  // guards that are zero all along the piece
+    std::vector<int> passed_at_cut_;  // watched functions, by part, that passed zero where the last mode ended
+    std::vector<bool> stays_;         // guards that are zero all along the piece
     std::vector<int> fired_;
     std::vector<Direction> directions_;
     std::vector<Found> found_;

@@ -84,6 +84,7 @@ RBDYN_INLINE double EventSearch::examine(Record& record, const Mode& mode, bool 
     touch_ = std::numeric_limits<double>::infinity();
     for (Watched& w : watched_) w.known_from = 0.0;
     passed_at_end_.clear();
+    if (!fresh) passed_at_cut_.clear();
     if (guards.empty()) return -1.0;
     const Piece& piece = engine_.piece();
     found_.clear();
@@ -128,6 +129,7 @@ RBDYN_INLINE double EventSearch::examine(Record& record, const Mode& mode, bool 
     for (Watched& w : watched_)
         if (w.known_from > 0.0 && cut >= 0.0 && w.known_from * piece.length >= cut) w.side = 0;
     note_doubt(cut >= 0.0 ? cut : piece.length);
+    std::vector<int> passed_at_cut;
     for (const Found& f : found_) {
         // what comes after the end of the mode is found again in the next one, by its side
         const Guard& guard = guards[f.guard];
@@ -138,6 +140,9 @@ RBDYN_INLINE double EventSearch::examine(Record& record, const Mode& mode, bool 
         }
         if (f.breaks) continue;
         side_of(guard) = f.rising ? 1 : -1;
+        if (guard.watch >= 0 && !f.is_pole && cut >= 0.0 &&
+            (f.place + std::max({f.near, f.doubt, 16.0 * finest()})) * piece.length >= cut)
+            passed_at_cut.push_back(guard.part);
         if (f.product != 0) product_of(guards, factors_of(guards, f.guard)) = f.product;
         if (is_last && !f.is_pole && f.place + std::max(f.near, 16.0 * finest()) >= 1.0) {
             passed_at_end_.resize(guards.size());
@@ -157,6 +162,7 @@ RBDYN_INLINE double EventSearch::examine(Record& record, const Mode& mode, bool 
     for (const int g : fired_)
         if (const Guard& guard = guards[static_cast<std::size_t>(g)]; guard.watch >= 0)
             watched(guard).zero = value_at(mode, guard, cut);
+    if (cut >= 0.0) passed_at_cut_ = std::move(passed_at_cut);
     return cut;
 }
 
@@ -437,6 +443,10 @@ RBDYN_INLINE void EventSearch::seek(const Mode& mode, const std::vector<Guard>& 
         if (arrival.at_zero && is_level_at(mode, engine_.piece().start.hi, state_of_piece(0.0), guard.output))
             watched(guard).reached = 0;
     }
+    // what has passed zero just where the last mode ended has passed it, whatever rounding the next one begins with
+    if (fresh && guard.watch >= 0 && starts == -side && !arrival.at_zero &&
+        std::ranges::find(passed_at_cut_, guard.part) != passed_at_cut_.end())
+        arrival.at_zero = begins_at_zero(mode, guard, 32.0 * epsilon);
     // two pieces meet within the error of the first
     if (!fresh && is_watch && starts != side && std::isfinite(end)) arrival.gap = 2.0 * std::abs(end - q[0]);
     if (is_last) {

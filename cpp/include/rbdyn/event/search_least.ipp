@@ -47,6 +47,23 @@ std::optional<double> EventSearch::least_near(const F& exact, const double* c, d
     return std::nullopt;
 }
 
+template <class F>
+double EventSearch::sharpened(const F& exact, double place, double apart) const {
+    const double length = engine_.piece().length, h = 3e-4 * length, few = 0.1 * h;
+    if (apart < 8.0 * h) return place;
+    const auto vertex = [&](double x, double aside) {
+        const double low = exact(x - aside), middle = exact(x), high = exact(x + aside);
+        return x + 0.5 * aside * (low - high) / (low - 2.0 * middle + high);
+    };
+    const double about = vertex(place, h);
+    if (!(std::abs(about - place) < few)) return place;
+    // what is no parabola is of fourth order then
+    const double x = (4.0 * vertex(about, 0.5 * h) - vertex(about, h)) / 3.0;
+    const double off = std::abs(x - place);
+    // a root that is as near as values tell may be nearer than they do
+    return off > 1e-10 * length && off < few && exact(x) <= 1.0 ? x : place;
+}
+
 RBDYN_INLINE void EventSearch::seek_least(const Record& record, const Mode& mode, std::size_t g) {
     const Guard& guard = mode.equations->guards[g];
     const double length = engine_.piece().length;
@@ -79,7 +96,8 @@ RBDYN_INLINE void EventSearch::seek_least(const Record& record, const Mode& mode
     for (std::size_t k = 0; k <= samples; ++k) {
         const bool is_low = (k == 0 || values[k] <= values[k - 1]) && (k == samples || values[k] < values[k + 1]);
         if (!is_low || !(values[k] <= 0.125 * most)) continue;
-        if (const auto least = least_near(exact, c, place(k))) add_least(record, mode, g, *least, 0.0);
+        if (const auto least = least_near(exact, c, place(k)))
+            add_least(record, mode, g, sharpened(exact, *least, length), 0.0);
     }
 }
 
@@ -110,16 +128,17 @@ RBDYN_INLINE bool EventSearch::seek_roots(const Record& record, const Mode& mode
         for (int k = degree_; k >= 1; --k) slope = slope * x + k * root[static_cast<std::size_t>(k)];
         const double rounding = 64.0 * epsilon * series::value_of_sizes(root.data(), degree_, std::abs(x)),
                      doubt = std::min((last + rounding) / std::abs(slope), near_least);
+        double apart = length;
+        if (i > 0) apart = place - roots_[i - 1];
+        if (i + 1 < roots_.size()) apart = std::min(apart, roots_[i + 1] * reach * length - place);
         if (series::value(c, degree_, place) - guard.least <= 1.0 || exact(place) <= 1.0) {
-            add_least(record, mode, g, place, doubt);
+            add_least(record, mode, g, sharpened(exact, place, apart), doubt);
             continue;
         }
         // a series that is cut off early is off there
         const auto least = least_near(exact, c, place);
-        double apart = length;
-        if (i > 0) apart = place - roots_[i - 1];
-        if (i + 1 < roots_.size()) apart = std::min(apart, roots_[i + 1] * reach * length - place);
-        if (least && std::abs(*least - place) < 0.25 * apart) add_least(record, mode, g, *least, doubt);
+        if (least && std::abs(*least - place) < 0.25 * apart)
+            add_least(record, mode, g, sharpened(exact, *least, apart), doubt);
     }
     return true;
 }

@@ -3,7 +3,8 @@
 //
 // Sums are taken of sizes, through all of them that lie one in another. Of any other instruction, products included,
 // the size is that of its result, and what its operands are differences of counts as far as it changes the result: so
-// powers of a difference are known to rounding of the difference, however small they are.
+// powers of a difference are known to rounding of the difference, however small they are. Where `functions_round`, what
+// a function makes of the rounding of its argument counts too: sin(x + 3) where it is zero.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +21,7 @@ namespace rbdyn::inline RBDYN_FORM {
 class SeriesSizes {
 public:
     /// For coefficients 0 .. order.
-    SeriesSizes(const Program& program, int order);
+    SeriesSizes(const Program& program, int order, bool functions_round = false);
 
     void set_parameters(std::span<const double> parameters) { program_->set_parameters(parameters, scalars_); }
 
@@ -37,6 +38,7 @@ private:
 
     const Program* program_;
     int row_;
+    bool functions_round_;
     std::vector<double> sizes_, scalars_;
 };
 

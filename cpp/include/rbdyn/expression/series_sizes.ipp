@@ -13,8 +13,11 @@
 
 namespace rbdyn::inline RBDYN_FORM {
 
-RBDYN_INLINE SeriesSizes::SeriesSizes(const Program& program, int order)
-    : program_(&program), row_(order + 1), sizes_(static_cast<std::size_t>(program.slots() * row_), 0.0) {}
+RBDYN_INLINE SeriesSizes::SeriesSizes(const Program& program, int order, bool functions_round)
+    : program_(&program),
+      row_(order + 1),
+      functions_round_(functions_round),
+      sizes_(static_cast<std::size_t>(program.slots() * row_), 0.0) {}
 
 RBDYN_INLINE void SeriesSizes::operator()(const SeriesEvaluator& series) {
     const auto take = [&](int slot) {
@@ -33,6 +36,8 @@ RBDYN_INLINE void SeriesSizes::operator()(const SeriesEvaluator& series) {
         // what is lost in an operand, times how much the result changes with it
         const auto lost = [&](int result, int operand, double slope) {
             if (operand < 0 || !(slope > 0.0) || !std::isfinite(slope)) return;
+            const bool is_function = i.code != Code::divide && i.code != Code::norm;
+            if (functions_round_ && is_function) of(result)[0] += slope * std::abs(series.coefficients(operand)[0]);
             for (int k = 0; k < row_; ++k)
                 of(result)[k] += slope * std::max(0.0, of(operand)[k] - std::abs(series.coefficients(operand)[k]));
         };

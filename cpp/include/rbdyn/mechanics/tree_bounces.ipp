@@ -139,7 +139,8 @@ RBDYN_INLINE std::vector<int> TreeModel::collapsing(const Mode& before, const Mo
                 if (after.slip[at(k)] == flies) group.push_back(k);
             }
             if (group.size() < 2) return {};
-            std::ranges::stable_partition(group, [&](int k) { return std::ranges::find(closed, k) != closed.end(); });
+            std::stable_partition(group.begin(), group.end(),
+                                  [&](int k) { return std::ranges::find(closed, k) != closed.end(); });
             std::ranges::copy(y, x.begin());
             if (turn > 0) strokes.stuck = last.stuck;
             return group;

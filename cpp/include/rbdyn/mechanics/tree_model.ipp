@@ -60,6 +60,32 @@ inline Wrench<double> across(const mechanics::JointTwists<double>& lets, Wrench<
 }
 
 }  // namespace tree_models
+namespace mechanics {
+
+/// A body and all that it carries, as if it were one, about the point P of that body.
+struct Carried {
+    double mass = 0.0, second = 0.0;  // the sum of m r^2
+    Vector3 first = Vector3::Zero();  // that of m r, world axes
+
+    void add(const Node& n, const Moving<double>& at) {
+        const Vector3 center = at.to_world(rounded(n.center));
+        const double m = static_cast<double>(n.mass);
+        double turning = 0.0;
+        for (int k = 0; k < 3 && !n.is_point; ++k) turning += static_cast<double>(n.body.inertia(k, k));
+        add({m, 0.5 * turning, Vector3::Zero()}, center);
+    }
+    void add(const Carried& other, const Vector3& arm) {
+        mass += other.mass;
+        second += std::max(0.0, other.second + 2.0 * arm.dot(other.first) + other.mass * arm.squaredNorm());
+        first += other.first + other.mass * arm;
+    }
+    /// No less than it has along a motion.
+    double inertia(const Twist<double>& way) const {
+        return 2.0 * (mass * way.move.squaredNorm() + second * way.turn.squaredNorm());
+    }
+};
+
+}  // namespace mechanics
 
 RBDYN_INLINE bool needs_tree(const Scene& scene) {
     if (!scene.constraints().empty() || !scene.contacts().empty()) return true;
@@ -95,19 +121,21 @@ RBDYN_INLINE TreeModel::TreeModel(const Scene& scene, const GivenNumbers& number
     const std::vector<double> x = mechanics::closing::nearest(start);
     const auto now = mechanics::closing::moving<double>(*tree_, 0.0, x);
     const auto accelerate = mechanics::accelerate<double>(*tree_, now);
-    double heaviest = 0.0;
-    for (const mechanics::Node& n : tree_->nodes()) heaviest = std::max(heaviest, static_cast<double>(n.mass));
-    // what carries others feels what these lack: they are looked at first
+    // what carries others feels what these lack: they are looked at first; beside each what is carried, all in one
+    std::vector<mechanics::Carried> carried(at(bodies()));
     for (int i = bodies() - 1; i >= 0; --i) {
         const mechanics::Node& n = tree_->node(i);
+        mechanics::Carried& own = carried[at(i)];
+        own.add(n, now[at(i)]);
         const int used = n.joint.rail() != nullptr ? 1 : n.joint.velocities();
         for (int k = 0; k < used; ++k)
-            require(accelerate.mass(n.v + k) > 1e-28 * heaviest, n.name,
+            require(accelerate.mass(n.v + k) > 1e-28 * own.inertia(now[at(i)].joint[at(k)]), n.name,
                     "inertia along velocity " + std::to_string(k + 1) + " of " + std::to_string(n.joint.velocities()) +
                         " of its joint",
                     accelerate.mass(n.v + k),
                     "what a joint leaves free has inertia: of the body, or of those joined to it; hold it otherwise, "
                     "or give it a thickness");
+        if (n.parent >= 0) carried[at(n.parent)].add(own, now[at(i)].place - now[at(n.parent)].place);
     }
     if (!conditions_->empty()) choose_rows();
     take_loose_rails();

@@ -3,6 +3,7 @@
 
 #include "rbdyn/statics/equilibria.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <string>
@@ -63,9 +64,14 @@ RBDYN_INLINE std::vector<Equilibrium> equilibria(const Scene& scene, const std::
     for (const double x : near) require(std::isfinite(x), user, "a coordinate of near", x, "it is finite");
     const Scene::Body& first = now.bodies()[0];
     const bool is_alone = !is_tree && now.bodies().size() == 1;
-    if (is_alone && coordinates == 1) {
+    if (is_alone && first.rail() != nullptr) {
         const double place = near.empty() ? first.parameter : near[0];
-        return PathEquilibria(first.rail() != nullptr ? statics::alone(now, BodyHandle{0}, user) : now, place).find();
+        return PathEquilibria(statics::alone(now, BodyHandle{0}, user), place).find();
+    }
+    if (coordinates == 1 && now.constraints().empty()) {
+        const Scene::Body& mover = *std::ranges::find_if(now.bodies(), statics::coordinates_of);
+        if (std::holds_alternative<Revolute>(mover.joint) || std::holds_alternative<Prismatic>(mover.joint))
+            return PathEquilibria(now, near.empty() ? mover.parameter : near[0]).find();
     }
     statics::TreeForces forces(now);
     require(forces.freedoms() > 0, user, "number of freedoms", forces.freedoms(), "something can move");

@@ -1,4 +1,5 @@
-// Every place where one bead stays at rest on its rail, or one rigid body on its hinge or slide.
+// Every place where one bead stays at rest on its rail, or one rigid body on its hinge or slide, with all that is fixed
+// to it.
 //
 // Smooth rail: the zeros of Q = F.r' (eq. 7.16), stable where U(s) has a strict maximum, that is where the first
 // derivative of Q that is not zero is of odd order and negative. Rough rail: the intervals where hold >= 0
@@ -9,7 +10,8 @@
 // The rail is searched all along if it has two ends, for one round if it is closed; else on both sides of a place, as
 // far as 32 stretches on which one Taylor series holds go, each up to twice as long as the one before. A hinge is
 // searched for one turn; with a torsion spring, whose moment in the end outgrows all that repeats itself, as far as
-// there can be any, 1000 turns to both sides at most.
+// there can be any, 1000 turns to both sides at most. One with a torque of its angle that is another one after a turn
+// is searched as a path without ends.
 // Accuracy: rounding of Q over its slope. Zeros nearer than rounding lets them be told apart count as one.
 //
 // Where Q is rounding beside the forces on a stretch, that is one of equilibria only if its formula ends with it: a
@@ -33,7 +35,7 @@ namespace rbdyn::inline RBDYN_FORM {
 
 class PathEquilibria {
 public:
-    /// `scene`: one body on a rail at rest, a hinge or a slide. `place`: about where a path without ends is searched.
+    /// `scene`: as of PathForces. `place`: about where a path without ends is searched.
     PathEquilibria(const Scene& scene, double place);
 
     std::vector<Equilibrium> find();
@@ -61,6 +63,8 @@ private:
         bool has(double u) const { return u >= from && u <= to; }
     };
 
+    /// Whether a turn of a hinge changes nothing but the moment of its torsion springs.
+    bool repeats();
     /// Where the torsion springs of a hinge have no moment together, and how far from there anything else can be as
     /// strong: all else repeats itself after a turn.
     std::pair<double, double> wound();

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "rbdyn/basics/error.hpp"
 #include "rbdyn/curve/point.hpp"
 #include "rbdyn/expression/given.hpp"
 #include "rbdyn/scene/loads.hpp"
@@ -29,7 +30,9 @@ RBDYN_INLINE PathEquilibria::PathEquilibria(const Scene& scene, double place)
     round_ = forces_.period();
     low_ = d.begin;
     high_ = d.end;
-    if (round_ > 0.0) {
+    if (forces_.is_on_hinge() && !repeats()) {
+        round_ = 0.0;
+    } else if (round_ > 0.0) {
         if (!std::isfinite(low_)) low_ = 0.0;
         high_ = low_ + round_;
     } else if (forces_.is_on_hinge()) {
@@ -77,6 +80,31 @@ RBDYN_INLINE std::vector<Equilibrium> PathEquilibria::find() {
     std::sort(result.begin(), result.end(),
               [](const Equilibrium& a, const Equilibrium& b) { return a.coordinates[0] < b.coordinates[0]; });
     return result;
+}
+
+RBDYN_INLINE bool PathEquilibria::repeats() {
+    if (!forces_.may_count_turns()) return true;
+    const double turn = 2.0 * std::numbers::pi;
+    const TorsionSpring spring = forces_.torsion();
+    PathForces::Values values(forces_);
+    const auto rest = [&](double u) { return values(u) + spring.stiffness * (u - spring.rest_angle); };
+    // where its formulas agree on stretches they are the same
+    bool is_same = true;
+    const auto look = [&](const Piece& p) {
+        for (const double x : {-0.9375, -0.3125, 0.1875, 0.8125})
+            for (const double turns : {-2.0, -1.0, 1.0, 3.0}) {
+                const double u = p.place(x), other = u + turns * turn;
+                const double noise = 1e-11 * std::max(forces_.effort(u), forces_.effort(other));
+                is_same = is_same && std::abs(rest(other) - rest(u)) <= noise;
+            }
+        return is_same;
+    };
+    try {
+        pieces_.march(place_, place_ + turn, most_pieces, look);
+    } catch (const InvalidInput&) {
+        return false;
+    }
+    return is_same;
 }
 
 RBDYN_INLINE std::pair<double, double> PathEquilibria::wound() {

@@ -1,14 +1,15 @@
-// The active forces on one body with one coordinate, at rest, as functions of it: a bead on a rail at rest and the
-// rail's parameter, a rigid body on a hinge or a slide and its angle or displacement.
+// The active forces along the one coordinate of a scene, at rest, as functions of it: a bead on a rail at rest and the
+// rail's parameter, a rigid body on a hinge or a slide, with all that is fixed to it, and its angle or displacement.
 //
 // Notation: r(u) the rail's curve, r' = dr/du, F the active force at r(u) with velocity zero:
 //     Q = F.r' = |r'| F_t                                                     (eq. 7.15, in the curve's own parameter)
 //     hold = mu_s^2 |r' x F|^2 - Q^2, not negative where friction holds the bead   (eqs. 7.16, 7.25 at rest)
 //     push = -b.(r' x F), not negative where a rail that only pushes does so
 // On a hinge Q is the moment about the axis (eq. 7.60); on a slide the force along it.
-// Invariant: one body in the scene; no force of it depends on time.
+// Invariant: one body of the scene moves in its joint, and there are no constraints; nothing depends on time.
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <optional>
 #include <span>
@@ -22,6 +23,7 @@
 #include "rbdyn/curve/point.hpp"
 #include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/expression/program.hpp"
+#include "rbdyn/mechanics/moving.hpp"
 #include "rbdyn/scene/handles.hpp"
 #include "rbdyn/scene/joints.hpp"
 #include "rbdyn/scene/loads.hpp"
@@ -44,7 +46,7 @@ void set_signs(const Program& program, std::vector<double>& parameters, std::spa
 
 }  // namespace statics
 
-/// The forces on the only body of a scene, along its one coordinate, and across its rail.
+/// The forces on the only body of a scene that moves in its joint, along its one coordinate, and across its rail.
 class PathForces {
 public:
     /// The outputs of its programs, in this order; hold on a rough rail, push on one that only pushes.
@@ -73,10 +75,12 @@ public:
     double period() const;
     /// The torsion springs of a hinge together.
     TorsionSpring torsion() const;
+    /// Whether a function of the angle acts along a hinge, which may count turns.
+    bool may_count_turns() const;
     /// |r'|; 1 for a hinge and a slide.
     double speed(double u) const { return rail_ ? curve().first(u).norm() : 1.0; }
     /// Twice the kinetic energy over the squared rate of the coordinate.
-    double inertia(double u) const { return is_on_hinge() ? moment_ : mass() * speed(u) * speed(u); }
+    double inertia(double u) const { return rail_ ? mass() * speed(u) * speed(u) : inertia_; }
     double start() const { return body().parameter; }
     bool rough() const { return rail_ && rail_->friction(); }
     /// mu_s of a rough rail.
@@ -112,12 +116,17 @@ public:
     std::string not_finite(double u) const;
 
 private:
-    const Scene::Body& body() const { return scene().bodies()[0]; }
+    const Scene::Body& body() const { return scene().bodies()[at(mover_)]; }
+    static std::size_t at(int i) { return static_cast<std::size_t>(i); }
+    /// How all bodies move with a unit velocity of the coordinate, in order of addition.
+    template <class N>
+    std::vector<mechanics::Twist<N>> ways(const std::vector<mechanics::Moving<N>>& all) const;
 
     std::shared_ptr<const statics::RestForces> acting_;
+    int mover_ = 0;  // the body whose joint has the coordinate
     std::optional<Rail> rail_;
-    double mass_ = 0.0, moment_ = 0.0;  // about the axis of a hinge
-    Formula smooth_;                    // about the start
+    double mass_ = 0.0, inertia_ = 0.0;  // of all that moves along a slide, or about the axis of a hinge
+    Formula smooth_;                     // about the start
 };
 
 }  // namespace rbdyn::inline RBDYN_FORM

@@ -3,6 +3,7 @@
 
 #include "rbdyn/statics/path_forces.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <memory>
@@ -28,11 +29,14 @@
 #include "rbdyn/expression/recorder.hpp"
 #include "rbdyn/expression/rounded.hpp"
 #include "rbdyn/expression/time_function.hpp"
+#include "rbdyn/mechanics/closure.hpp"
+#include "rbdyn/mechanics/moving.hpp"
 #include "rbdyn/mechanics/tree.hpp"
 #include "rbdyn/mechanics/tree_model.hpp"
 #include "rbdyn/model/rigid_state.hpp"
 #include "rbdyn/scene/couplings.hpp"
 #include "rbdyn/scene/handles.hpp"
+#include "rbdyn/scene/joint_loads.hpp"
 #include "rbdyn/scene/joints.hpp"
 #include "rbdyn/scene/loads.hpp"
 #include "rbdyn/scene/rigid_motion.hpp"
@@ -161,19 +165,42 @@ RBDYN_INLINE void set_signs(const Program& program, std::vector<double>& paramet
 namespace rbdyn::inline RBDYN_FORM {
 
 RBDYN_INLINE PathForces::PathForces(const Scene& scene) : acting_(std::make_shared<const statics::RestForces>(scene)) {
+    const mechanics::Tree& tree = acting_->tree();
+    while (tree.node(mover_).joint.velocities() == 0) ++mover_;
     if (body().rail() != nullptr) rail_ = *body().rail();
     mass_ = body().mass();
-    if (is_on_hinge()) {
-        // about the axis through the point held there
-        const mechanics::Node& n = acting_->tree().node(0);
-        const auto axis = n.joint.as<mechanics::RevoluteLaw>()->axis;
-        const auto across = cross<DoubleDouble>(axis, n.center);
-        DoubleDouble sum = n.mass * dot<DoubleDouble>(across, across);
-        for (int i = 0; i < 3; ++i)
-            for (int k = 0; k < 3; ++k) sum += axis[i] * n.body.inertia(i, k) * axis[k];
-        moment_ = static_cast<double>(sum);
+    if (!rail_) {
+        const auto all = mechanics::closing::moving<DoubleDouble>(tree, 0.0, tree.start(0.0));
+        const auto moves = ways<DoubleDouble>(all);
+        DoubleDouble sum = 0.0;
+        for (int b = 0; b < tree.size(); ++b) {
+            const mechanics::Node& n = tree.node(b);
+            const auto& [turn, move] = moves[at(b)];
+            const auto speed = Vector3Of<DoubleDouble>(move + cross<DoubleDouble>(turn, all[at(b)].to_world(n.center)));
+            sum += n.mass * dot<DoubleDouble>(speed, speed);
+            if (n.is_point) continue;
+            const Vector3Of<DoubleDouble> turning = all[at(b)].to_body(turn);
+            for (int i = 0; i < 3; ++i)
+                for (int k = 0; k < 3; ++k) sum += turning[i] * n.body.inertia(i, k) * turning[k];
+        }
+        inertia_ = static_cast<double>(sum);
     }
     smooth_ = formula(start());
+}
+
+template <class N>
+std::vector<mechanics::Twist<N>> PathForces::ways(const std::vector<mechanics::Moving<N>>& all) const {
+    const mechanics::Tree& tree = acting_->tree();
+    std::vector<mechanics::Twist<N>> result(at(tree.size()));
+    result[at(mover_)] = all[at(mover_)].joint.front();
+    for (int b = mover_ + 1; b < tree.size(); ++b) {
+        const int parent = tree.node(b).parent;
+        if (parent < 0) continue;
+        const auto& [turn, move] = result[at(parent)];
+        const auto arm = Vector3Of<N>(all[at(b)].place - all[at(parent)].place);
+        result[at(b)] = {turn, Vector3Of<N>(move + cross<N>(turn, arm))};
+    }
+    return result;
 }
 
 RBDYN_INLINE double PathForces::period() const {
@@ -184,12 +211,20 @@ RBDYN_INLINE double PathForces::period() const {
 RBDYN_INLINE TorsionSpring PathForces::torsion() const {
     TorsionSpring sum;
     for (const Scene::AppliedLoad& load : scene().loads())
-        if (const TorsionSpring* spring = std::get_if<TorsionSpring>(&load.load); spring && spring->stiffness > 0) {
+        if (const TorsionSpring* spring = std::get_if<TorsionSpring>(&load.load);
+            spring && load.body == mover_ && spring->stiffness > 0) {
             const double k = sum.stiffness + spring->stiffness;
             sum.rest_angle = sum.rest_angle + (spring->rest_angle - sum.rest_angle) * spring->stiffness / k;
             sum.stiffness = k;
         }
     return sum;
+}
+
+RBDYN_INLINE bool PathForces::may_count_turns() const {
+    return std::ranges::any_of(scene().loads(), [&](const Scene::AppliedLoad& load) {
+        const JointTorque* torque = std::get_if<JointTorque>(&load.load);
+        return torque != nullptr && load.body == mover_ && !torque->is_constant();
+    });
 }
 
 RBDYN_INLINE PathForces::Formula PathForces::formula(double u) const {
@@ -250,7 +285,10 @@ RBDYN_INLINE double PathForces::along_path(double u) const { return Values(*this
 
 RBDYN_INLINE double PathForces::effort(double u) const {
     const statics::RestForces::Efforts efforts = acting_->efforts({u});
-    return efforts.joints[0] + efforts.of(0, efforts.all[0].joint.front());
+    const auto moves = ways<double>(efforts.all);
+    double sum = efforts.joints[0];
+    for (int b = mover_; b < acting_->tree().size(); ++b) sum += efforts.of(b, moves[at(b)]);
+    return sum;
 }
 
 RBDYN_INLINE std::string PathForces::not_finite(double u) const {

@@ -90,7 +90,7 @@ RBDYN_INLINE void PathPieces::resolve() {
     series_->set_parameters(formula_.parameters);
     values_ = std::make_unique<Evaluator<double>>(formula_.program);
     values_->set_parameters(formula_.parameters);
-    sizes_ = std::make_unique<SeriesSizes>(formula_.program, statics::order);
+    sizes_ = std::make_unique<SeriesSizes>(formula_.program, statics::order, true);
     sizes_->set_parameters(formula_.parameters);
 }
 
