@@ -122,3 +122,20 @@ def test_a_rough_table_slides_down_a_slope_in_space(up, legs):
         assert abs(off @ along - way) < 1e-9 * way
         assert max(abs(run[c].gap(t)) for c in touch) < rounding
         assert np.abs(run[body].attitude(t) @ start.T - np.eye(3)).max() < rounding
+
+
+def test_a_box_that_slides_on_another_one_tips_it_where_statics_says():
+    """Loads move over feet that share them in more than one way, until the lower box tips about its front feet:
+    m b / 2 = M (u t - b / 2)."""
+    scene, low, high, speed = rb.Scene(gravity=[0, 0, -G]), (1.0, 0.5, 0.4), (1.3, 0.43, 0.35), 0.05
+    surface, touch, z = rb.Plane([0, 0, 1]), [], 0.1
+    for (mass, b, d), v in ((low, 0.0), (high, speed)):
+        body = scene.add(rb.shapes.box(mass, [b, d, 0.2]), position=[0, 0, z], velocity=[v, 0, 0])
+        for x in (-b / 2, b / 2):
+            touch += [scene.contact(body.point([x, y, -0.1]), surface) for y in (-d / 2, d / 2)]
+        surface, z = body.plane([0, 0, 1], [0, 0, 0.1]), z + 0.2
+    tips = (low[0] + high[0]) * low[1] / 2 / high[0] / speed
+    run = rb.simulate(scene, 1.01 * tips, rtol=1e-10)
+    opened = [event for event in run.events if event.kind == "detach"]
+    assert [event.subject for event in opened] == touch[:2]
+    assert all(event.time == pytest.approx(tips, rel=1e-9) for event in opened)

@@ -457,7 +457,16 @@ RBDYN_INLINE void EventSearch::seek(const Mode& mode, const std::vector<Guard>& 
     const auto sizes_of_terms = [&](double* sizes) {
         engine_.guard_sizes(static_cast<int>(g), sizes);
         for (int k = 0; k <= degree_; ++k) sizes[k] *= powers_[static_cast<std::size_t>(k)];
+        // a force that is none is what is left of all that acts
+        if (guard.kind == EventKind::detach && guard.contact >= 0)
+            sizes[0] =
+                std::max(sizes[0], size_of_terms(mode, engine_.piece().start.hi, state_of_piece(0.0), guard.output));
         if (fine) sizes[0] = std::abs(q[0]);
+        // what has just left its surface, and comes back from no higher than gaps are followed beyond doubles, began
+        // there to as many digits
+        if (fresh && arrival.at_zero && guard.contact >= 0 && guard.kind == EventKind::land && degree_ > 1 &&
+            q[1] * q[1] <= low_gaps * sizes[0] * std::abs(q[2]) && model_.follows_bounces(mode))
+            sizes[0] = 0.0;
         if (!fresh || degree_ < 1 || !mode.equations->is_variable(guard)) return;
         // a variable that begins with zero is told by its rate, which may be zero there but for the rounding of all it
         // is made of, that of the time included

@@ -17,6 +17,8 @@ namespace rbdyn::inline RBDYN_FORM::mechanics {
 
 RBDYN_INLINE void TreeWriter::touch(EquationsWriter& write) const {
     const recording::WideFolding all_digits;
+    // where loads are shared anew all that bear them do something else
+    const bool is_shared = std::ranges::find(states_, contact_state::rests) != states_.end();
     for (std::size_t k = 0; k < states_.size(); ++k) {
         const ContactLaw& c = conditions_.contacts()[k];
         const int contact = static_cast<int>(k);
@@ -33,8 +35,9 @@ RBDYN_INLINE void TreeWriter::touch(EquationsWriter& write) const {
                          friction_[k].force[0]);
         for (std::size_t r = 0; r < rows_.size(); ++r)
             if (rows_[r] == conditions_.normal_row(contact))
-                write.decide({.kind = EventKind::detach, .contact = contact, .name = "force of " + c.name},
-                             values_[first_multiplier() + r]);
+                write.decide(
+                    {.kind = EventKind::detach, .contact = contact, .name = "force of " + c.name, .renews = is_shared},
+                    values_[first_multiplier() + r]);
     }
     for (std::size_t e = 0; e < resistance_states_.size(); ++e) guard_resistance(write, e);
 }

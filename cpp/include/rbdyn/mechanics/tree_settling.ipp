@@ -9,6 +9,11 @@
 #include <utility>
 #include <vector>
 
+#include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/expression/borrowed_series.hpp"
+#include "rbdyn/expression/evaluate.hpp"
+#include "rbdyn/expression/program.hpp"
+#include "rbdyn/expression/series_evaluator.hpp"
 #include "rbdyn/mechanics/complementarity.hpp"
 #include "rbdyn/mechanics/contact_state.hpp"
 #include "rbdyn/mechanics/touched.hpp"
@@ -16,6 +21,34 @@
 #include "rbdyn/model/leading_sign.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
+
+namespace settling {
+
+inline constexpr int most_zeros = 4;
+
+/// How many of the first coefficients of a force in time are rounding: what they make of it within `time` is nothing
+/// beside the forces that act, `size`. most_zeros + 1: it is none, as between bodies that fall together. Of equations
+/// that call back no more than its value is told.
+inline int zeros(const Mode& mode, double t, std::span<const double> x, int output, double size, double time) {
+    constexpr double nothing = 1e-12;
+    const Program& program = mode.equations->program;
+    const int order = program.has_calls() ? 0 : most_zeros;
+    const BorrowedSeries borrowed(program, order);
+    SeriesEvaluator& series = *borrowed;
+    series.set_parameters(mode.parameters);
+    series.begin(t, 1.0);
+    for (std::size_t i = 0; i < x.size(); ++i) series.set_input(static_cast<int>(i), 0, x[i]);
+    double power = 1.0;
+    for (int k = 0; k <= order; ++k, power *= time) {
+        series.advance(k);
+        if (k < order)
+            for (int i = 0; i < program.inputs(); ++i) series.set_input(i, k + 1, series.output(i)[k] / (k + 1));
+        if (std::abs(series.output(output)[k]) * power > nothing * size) return k;
+    }
+    return order + 1;
+}
+
+}  // namespace settling
 
 RBDYN_INLINE bool TreeModel::stands(const Mode& mode, int contact, double t, std::span<const double> x) const {
     const mechanics::TreeState state = look(mode, t, x);
@@ -85,6 +118,19 @@ RBDYN_INLINE void TreeModel::settle_smooth(Mode& mode, double t, std::span<doubl
             mechanics::ContactMemory().put(mode.memory, k);
         }
     choose(mode, t, x, {}, true);
+    // the time in which all that acts on what a contact joins moves it as far as it is large
+    const auto moves_in = [&](int k) {
+        const mechanics::ContactLaw& c = conditions_->contacts()[at(k)];
+        const mechanics::TreeState state = look(mode, t, x);
+        double time = 0.0;
+        for (const int i : {c.a.body, c.b.body}) {
+            if (i < 0) continue;
+            const double force = state.bodies[at(i)].effort.force.norm(),
+                         way = size_of(k, state.moving) * static_cast<double>(tree_->node(i).mass);
+            if (force > 0.0) time = std::max(time, std::sqrt(way / force));
+        }
+        return time;
+    };
     // a force at zero pushes if it grows, and where none is needed for ever; else the contact opens
     for (const int k : uncertain) {
         std::vector<int> with = rows_in(mode);
@@ -103,8 +149,10 @@ RBDYN_INLINE void TreeModel::settle_smooth(Mode& mode, double t, std::span<doubl
         int sign = 1;
         if (has_fired)
             sign = ends(closed, k, t, x) ? -1 : 0;
-        else if (const int force = force_of(closed, k); force >= 0)
-            sign = leading_sign(closed, t, x, force);
+        else if (const int force = force_of(closed, k); force >= 0) {
+            const int zeros = settling::zeros(closed, t, x, force, forces_at(k, look(closed, t, x)), moves_in(k));
+            sign = zeros > settling::most_zeros ? 0 : leading_sign(closed, t, x, force, zeros);
+        }
         if (sign >= 0 || (!has_fired && stands(closed, k, t, x))) mode = std::move(closed);
     }
 }

@@ -112,8 +112,8 @@ private:
     bool is_doubtful() const;
     static bool is_force(const Observed& o) { return o.alike == Alike::force || o.alike == Alike::torque; }
 
-    /// The events of a run; which of several comes first that the accuracy cannot tell apart is settled by what they
-    /// are. `start`: of the motion.
+    /// The events of a run but for its last bounces; which of several comes first that the accuracy cannot tell apart
+    /// is settled by what they are. `start`: of the motion.
     std::vector<Event> in_order(const Record& r, double start) const;
 
     static bool differ(const std::vector<Event>& a, std::size_t i, const std::vector<Event>& b, std::size_t j);
@@ -124,9 +124,13 @@ private:
 
     static void skip_graze(const std::vector<Event>& ours, std::size_t& i, Comparison& result);
 
-    /// A bounce so near to the limit of its contact's, or of several that bounce by turns, that rounding decides how
-    /// many there are.
-    static bool is_last_bounce(const std::vector<Event>& events, std::size_t i, double start);
+    /// The times at which bounces of contacts end, in order.
+    static std::vector<double> limits_of(const Record& r);
+    /// Whether an event belongs to the last bounces, so near to their limit that rounding decides how many there are of
+    /// each contact, and in which order: `near` of the time since the start.
+    static bool is_last_bounce(const Event& event, const std::vector<double>& limits, double start, double near);
+    // of bounces that lose little there are hundreds in a thousand roundings of the time
+    static constexpr double last_bounces = 1e-11;
 
     static bool same_mode(const Mode& a, const Mode& b);
 

@@ -54,6 +54,11 @@ RBDYN_INLINE Comparison AccuracyCheck::operator()(const Record& run, const Recor
     // times of events
     double uncertain = std::numeric_limits<double>::infinity();
     const std::vector<Event> ours = in_order(run, start), theirs = in_order(better, start);
+    // which of the last bounces still belong to those left out rounding decides, too
+    const std::vector<double> our_limits = limits_of(run), their_limits = limits_of(better);
+    const auto is_last = [&](const std::vector<Event>& events, std::size_t k, const std::vector<double>& limits) {
+        return k < events.size() && is_last_bounce(events[k], limits, start, 2.0 * last_bounces);
+    };
     std::size_t i = 0, j = 0;
     int alike = 0;
     std::vector<StrikeOfTwo> strikes;
@@ -61,8 +66,8 @@ RBDYN_INLINE Comparison AccuracyCheck::operator()(const Record& run, const Recor
         // a graze that one of them sees as a hold of no length changes nothing
         while (differ(ours, i, theirs, j) && is_graze(ours, i, start)) skip_graze(ours, i, result);
         while (differ(ours, i, theirs, j) && is_graze(theirs, j, start)) j += 2;
-        while (differ(ours, i, theirs, j) && is_last_bounce(ours, i, start)) ++i;
-        while (differ(ours, i, theirs, j) && is_last_bounce(theirs, j, start)) ++j;
+        while (differ(ours, i, theirs, j) && is_last(ours, i, our_limits)) ++i;
+        while (differ(ours, i, theirs, j) && is_last(theirs, j, their_limits)) ++j;
         if (differ(ours, i, theirs, j)) break;
         const Event &a = ours[i], &b = theirs[j];
         const double error = std::abs(a.instant - b.instant) /
@@ -388,8 +393,18 @@ RBDYN_INLINE void AccuracyCheck::note(double weight, bool is_shared, bool has_fo
     }
 }
 
+RBDYN_INLINE std::vector<double> AccuracyCheck::limits_of(const Record& r) {
+    std::vector<double> limits;
+    for (const Event& event : r.events)
+        if (event.kind == EventKind::accumulation && event.contact >= 0) limits.push_back(event.time);
+    return limits;
+}
+
 RBDYN_INLINE std::vector<Event> AccuracyCheck::in_order(const Record& r, double start) const {
-    std::vector<Event> events = r.events;
+    const std::vector<double> limits = limits_of(r);
+    std::vector<Event> events;
+    for (const Event& event : r.events)
+        if (!is_last_bounce(event, limits, start, last_bounces)) events.push_back(event);
     for (std::size_t first = 0, last = 0; first < events.size(); first = last) {
         for (last = first + 1; last < events.size(); ++last)
             if (events[last].time - events[last - 1].time > wanted_ * (events[last].time - start)) break;
@@ -412,15 +427,13 @@ RBDYN_INLINE bool AccuracyCheck::is_graze(const std::vector<Event>& events, std:
     return !model_.holds_what_touches(a.subject) && b.time - a.time <= std::sqrt(wanted_) * (a.time - start);
 }
 
-RBDYN_INLINE bool AccuracyCheck::is_last_bounce(const std::vector<Event>& events, std::size_t i, double start) {
-    constexpr double near = 1e-12;
-    if (i >= events.size()) return false;
-    const Event& impact = events[i];
-    // of several that bounce by turns any may be the last
-    for (; i < events.size() && events[i].kind == EventKind::impact && events[i].contact >= 0; ++i) {
-    }
-    return impact.contact >= 0 && i < events.size() && events[i].kind == EventKind::accumulation &&
-           events[i].contact >= 0 && events[i].time - impact.time <= near * (impact.time - start);
+RBDYN_INLINE bool AccuracyCheck::is_last_bounce(const Event& event, const std::vector<double>& limits, double start,
+                                                double near) {
+    if (event.contact < 0) return false;
+    if (event.kind != EventKind::impact && event.kind != EventKind::land && event.kind != EventKind::detach)
+        return false;
+    const auto limit = std::ranges::lower_bound(limits, event.time);
+    return limit != limits.end() && *limit - event.time <= near * (event.time - start);
 }
 
 RBDYN_INLINE void AccuracyCheck::skip_graze(const std::vector<Event>& ours, std::size_t& i, Comparison& result) {
