@@ -265,9 +265,7 @@ RBDYN_INLINE bool TreeModel::take(const Mode& before, Mode& mode, double t, Touc
         } else if (slides(mode.slip[at(k)]) && !is_chosen(conditions_->normal_row(k))) {
             // one of many forces that give this motion, if its friction does what that of the others would
             if (!makes_no_difference(mode, touched, i, chosen)) {
-                mode.impossible =
-                    "the forces of contacts that slide are not unique, and the motion depends on them, of " +
-                    conditions_->contacts()[at(k)].name;
+                mode.impossible = not_unique({k});
                 return false;
             }
             mode.slip[at(k)] = rests;
