@@ -1,6 +1,6 @@
 """Where bounces with friction end: in corners, against walls that nothing presses on, and in flight beside each other.
 
-Truths: what two contacts at right angles leave of a ball's motion (nothing), and free flight.
+Truths: what two contacts at right angles leave of a ball's motion (nothing), impact by impact by hand, and free flight.
 """
 
 import math
@@ -10,6 +10,8 @@ import pytest
 import rbdyn as rb
 
 G = 9.8125
+# below that the events by hand go on
+LAST = 1e-15
 
 
 @pytest.mark.parametrize("seed", range(40))
@@ -32,6 +34,58 @@ def test_a_ball_that_lands_in_a_corner_is_at_rest_to_the_bit(seed):
     # what the wall does not press is held by no row, and its acceleration is one of rounding
     assert max(np.abs(run[b].velocity(1e5)).max(), np.abs(run[b].angular_velocity(1e5)).max()) < 1e-25
     assert (run[b].position(0.2) == run[b].position(1e5)).all() and run[b].angle(0.2) == run[b].angle(1e5)
+
+
+def bounced_to_rest(radius, mass, moment, slope, mu, e, v, omega, gap):
+    """When the last bounce ends, by hand: it slides on the floor to the wall, is thrown up by its friction, lands."""
+    t, pull, down = 0.0, G * math.sin(slope), G * math.cos(slope)
+    while max(abs(v), abs(radius * omega)) > LAST:
+        # along the floor, in two parts where its slip turns round
+        while True:
+            way = math.copysign(1.0, v + radius * omega)
+            a, turn = pull - mu[0] * down * way, -way * mu[0] * mass * down * radius / moment
+            until = (-v + math.sqrt(v * v + 2 * a * gap)) / a
+            stops = -(v + radius * omega) / (a + radius * turn)
+            d = min(until, stops) if stops > 0 else until
+            gap -= v * d + a * d * d / 2
+            v, omega, t = v + a * d, omega + turn * d, t + d
+            if d == until:
+                break
+            # it rolls for an instant, and slips the other way from there, by a bit
+            omega = -v / radius
+            omega -= way * abs(omega) * 1e-15
+        # the wall pushes it back, and its friction up, until nothing slips there
+        assert omega < 0
+        rubs = min(mu[1] * (1 + e) * mass * v, -omega * radius / (1 / mass + radius**2 / moment))
+        v, up, omega = -e * v, rubs / mass, omega + rubs * radius / moment
+        d = 2 * up / down
+        gap, v, t = -(v * d + pull * d * d / 2), v + pull * d, t + d
+        way = math.copysign(1.0, v + radius * omega)
+        v, omega = v - way * mu[0] * up, omega - way * mu[0] * mass * up * radius / moment
+        gap = max(gap, 0.0)
+    return t
+
+
+def test_a_ball_bounces_to_rest_in_a_corner():
+    """Every impact on the wall throws it off the floor: what went on were a thousand events within 1e-10 s."""
+    radius, mass, moment, slope, mu, e = 0.171875, 2.25, 0.055, 0.5, (0.1, 0.1), 0.7
+    scene = rb.Scene(gravity=[G * math.sin(slope), -G * math.cos(slope), 0])
+    b = scene.add(
+        rb.RigidBody(mass, [moment / 2, moment / 2, moment]),
+        rb.Planar([1, 0, 0], [0, 1, 0]),
+        position=[-radius - 0.0625, radius],
+        velocity=[0.9, 0.0],
+        rate=-0.9,
+    )
+    floor = scene.contact(b.sphere(radius), rb.Plane([0, 1, 0]), friction=rb.Coulomb(mu[0]))
+    wall = scene.contact(b.sphere(radius), rb.Plane([-1, 0, 0]), friction=rb.Coulomb(mu[1]), restitution=e)
+    run = rb.simulate(scene, 3.0, error=1e-7, max_steps=2000)
+    assert run.status == "reached end"
+    end = bounced_to_rest(radius, mass, moment, slope, mu, e, 0.9, -0.9, 0.0625)
+    # places of the wall are known to 5e-17 m, and a flight as low takes 5e-9 s
+    assert abs(run.events[-1].time / end - 1) < run.error < 1e-7
+    assert not run[b].velocity(3.0).any() and not run[b].angular_velocity(3.0).any()
+    assert [run[contact].state(3.0) for contact in (floor, wall)] == ["sticks", "sticks"]
 
 
 @pytest.mark.parametrize("turns", [1e-7, 1e-6, 1e-5, 1e-3])

@@ -265,6 +265,10 @@ RBDYN_INLINE std::vector<int> TreeModel::accumulating(const Mode& after, double 
         const double sum = next / (1.0 - (ratio < 1.0 ? ratio : 0.9));
         // where this impact tells nothing it may be any time of that size
         if (!(ratio < 1.0)) left.unsure = std::max(left.unsure, sum);
+        // nor do flights lower than the rounding of places take a time that is known better than one as low as that
+        if (is_mixed) left.unsure = std::max(left.unsure, 4.0 * sum);
+        if (is_coarse && conditions_->is_rough() && height < 64.0 * gap_rounding(k))
+            left.unsure = std::max(left.unsure, std::sqrt(2.0 * gap_rounding(k) / -w[i]));
         left.time = std::max(left.time, sum);
         group.push_back(k);
     }
