@@ -12,6 +12,7 @@
 #include "rbdyn/mechanics/tree_joint_strikes.ipp"
 #include "rbdyn/mechanics/tree_rest.ipp"
 #include "rbdyn/mechanics/tree_rolling.ipp"
+#include "rbdyn/mechanics/tree_rough_strikes.ipp"
 #include "rbdyn/mechanics/tree_settling.ipp"
 #include "rbdyn/mechanics/tree_sharing.ipp"
 #include "rbdyn/mechanics/tree_strikes.ipp"

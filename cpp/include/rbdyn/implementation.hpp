@@ -163,6 +163,7 @@
 #include "rbdyn/mechanics/tree_reports.ipp"
 #include "rbdyn/mechanics/tree_rest.ipp"
 #include "rbdyn/mechanics/tree_rolling.ipp"
+#include "rbdyn/mechanics/tree_rough_strikes.ipp"
 #include "rbdyn/mechanics/tree_rows.ipp"
 #include "rbdyn/mechanics/tree_settling.ipp"
 #include "rbdyn/mechanics/tree_sharing.ipp"

@@ -206,7 +206,7 @@ RBDYN_INLINE std::vector<int> TreeModel::accumulating(const Mode& after, double 
     if (bouncing.empty()) return group;
     // without loss there is no end to come to: what then loses speed elsewhere does so too slowly to be followed
     const bool is_alone = bouncing.size() == 1 && closed.size() == 1 && joints_.empty(),
-               is_coarse = (!follows_together(after) && !is_alone) ||
+               is_coarse = ((left.slid || !follows_together(after)) && !is_alone) ||
                            std::any_of(bouncing.begin(), bouncing.end(),
                                        [&](int k) { return conditions_->contacts()[at(k)].restitution >= 1.0; });
     const auto all = moving(t, x);
@@ -215,12 +215,17 @@ RBDYN_INLINE std::vector<int> TreeModel::accumulating(const Mode& after, double 
     RoundingSizes sizes(after.equations->program);
     sizes.set_parameters(after.parameters);
     if (is_coarse) sizes(t, x);
-    const auto lowest = [&](int k) {
+    const auto gap_rounding = [&](int k) {
         double gap_size = 0.0;
         for (const Guard& guard : after.equations->guards)
             if (guard.contact == k && guard.output >= 0) gap_size = sizes.size(guard.output);
-        return lowest_bounce * epsilon * gap_size;
+        return epsilon * gap_size;
     };
+    const auto lowest = [&](int k) { return lowest_bounce * gap_rounding(k); };
+    // where what slid flies with them no ratio says how they go on: they are followed as far as doubles have digits of
+    // them
+    const bool is_mixed = is_coarse && left.slid && follows_together(after);
+    const double shortest = (is_mixed ? mixed_bounce : 64.0) * epsilon * std::abs(t);
     std::vector<double> gaps;
     if (contacts() > 1) gaps = fine_gaps(t, x, rest);
     for (int k = 0; k < contacts(); ++k)
@@ -235,18 +240,20 @@ RBDYN_INLINE std::vector<int> TreeModel::accumulating(const Mode& after, double 
         if (!is_struck(k)) {
             if (!falls) continue;
             const double end = std::sqrt(u * u + 2.0 * std::max(gaps[at(k)], 0.0) * -w[i]);
-            const bool is_near = is_coarse ? gaps[at(k)] <= lowest(k) && height <= lowest(k)
-                                           : (u + end) / -w[i] <= 64.0 * epsilon * std::abs(t) ||
-                                                 end <= 8.0 * slowest_bounce * speed_of(k, all);
+            const bool is_near = is_coarse && !is_mixed
+                                     ? gaps[at(k)] <= lowest(k) && height <= lowest(k)
+                                     : (u + end) / -w[i] <= shortest || end <= 8.0 * slowest_bounce * speed_of(k, all);
             if (is_near) group.push_back(k);
             continue;
         }
-        // what flies on for longer does not keep others from coming to rest
-        if (!is_coarse && (u <= 0.0 || !falls)) continue;
+        // what flies on for longer does not keep others from coming to rest, nor does what only touches
+        const bool only_touches = std::abs(u) <= 1e-3 * came && !falls;
+        if ((!is_coarse || only_touches) && (u <= 0.0 || !falls)) continue;
         if (u <= 0.0 || !falls) return {};
+        left.pull = std::max(left.pull, -w[i]);
         const double next = 2.0 * u / -w[i];
         const double e = conditions_->contacts()[at(k)].restitution;
-        const bool is_shortest = is_coarse ? height <= lowest(k) || next <= 64.0 * epsilon * std::abs(t)
+        const bool is_shortest = is_coarse ? (!is_mixed && height <= lowest(k)) || next <= shortest
                                            : next <= 2.0 * epsilon * std::abs(t) ||
                                                  (e > 0.0 ? e : 1.0) * u <= slowest_bounce * speed_of(k, all);
         if (!is_coarse && !is_shortest) continue;
@@ -259,6 +266,10 @@ RBDYN_INLINE std::vector<int> TreeModel::accumulating(const Mode& after, double 
         const double sum = next / (1.0 - (ratio < 1.0 ? ratio : 0.9));
         // where this impact tells nothing it may be any time of that size
         if (!(ratio < 1.0)) left.unsure = std::max(left.unsure, sum);
+        // nor do flights lower than the rounding of places take a time that is known better than one as low as that
+        if (is_mixed) left.unsure = std::max(left.unsure, 4.0 * sum);
+        if (is_coarse && conditions_->is_rough() && height < 64.0 * gap_rounding(k))
+            left.unsure = std::max(left.unsure, std::sqrt(2.0 * gap_rounding(k) / -w[i]));
         left.time = std::max(left.time, sum);
         group.push_back(k);
     }

@@ -167,6 +167,17 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
             for (std::size_t j = f; j < f + 3; ++j) found.force[j] = 0.0;
         }
     open_doubtful(found);
+    // what forces elsewhere do not press, and what parts by more than its own rounding, is open
+    const auto parts = [&](std::size_t i) {
+        if (found.states[i] != ConeState::open) return false;
+        const auto f = static_cast<std::size_t>(touched.cones[i].first);
+        double size = noise[f];
+        for (std::size_t j = 0; j < found.force.size(); ++j)
+            size += 1e-11 * std::abs(touched.matrix[f][j] * found.force[j]);
+        const bool has_landed =
+            std::find(fired.landing.begin(), fired.landing.end(), candidates[i]) != fired.landing.end();
+        return found.rate[f] > size || (has_landed && before.jumps == mode.jumps);
+    };
     // one that does nothing on the edge of opening or sliding is held with the others, if forces inside all cones are
     // left then
     mechanics::ConeForces marginal = found;
@@ -174,7 +185,7 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
     for (std::size_t i = 0; i < candidates.size(); ++i) {
         if (touched.cones[i].is_line || found.states[i] == ConeState::held || breaks(candidates[i])) continue;
         if (std::find(fired.doubtful.begin(), fired.doubtful.end(), candidates[i]) != fired.doubtful.end()) continue;
-        if (!is_still(i)) continue;
+        if (!is_still(i) || parts(i)) continue;
         marginal.states[i] = ConeState::held;
         is_marginal = true;
     }
@@ -265,9 +276,7 @@ RBDYN_INLINE bool TreeModel::take(const Mode& before, Mode& mode, double t, Touc
         } else if (slides(mode.slip[at(k)]) && !is_chosen(conditions_->normal_row(k))) {
             // one of many forces that give this motion, if its friction does what that of the others would
             if (!makes_no_difference(mode, touched, i, chosen)) {
-                mode.impossible =
-                    "the forces of contacts that slide are not unique, and the motion depends on them, of " +
-                    conditions_->contacts()[at(k)].name;
+                mode.impossible = not_unique({k});
                 return false;
             }
             mode.slip[at(k)] = rests;

@@ -238,9 +238,21 @@ RBDYN_INLINE std::vector<int> TreeModel::ending(const Mode& before, double t, st
     }
     for (const int k : fired.doubtful)
         if (force_of(before, k) >= 0) result.push_back(k);
-    // where no force acts along a surface that of friction ends with the normal one, and rounding says which is first
+    // where no force acts along a surface that of friction ends with the normal one, and rounding says which is first;
+    // where one does, nothing holds it
+    const auto has_none_along = [&](int k) {
+        for (const Guard& guard : before.equations->guards) {
+            if (guard.contact != k || guard.joint >= 0 || guard.kind != EventKind::slip || guard.output < 0) continue;
+            const double limit = static_cast<double>(conditions_->contacts()[at(k)].mu_static) *
+                                 values.output(force_of(before, k)),
+                         along = std::sqrt(std::max(0.0, limit * limit - values.output(guard.output)));
+            return along <= 0x1p14 * epsilon * size_of_terms(before, t, x, force_of(before, k));
+        }
+        return true;
+    };
     for (const int k : fired.breaking)
-        if (std::find(result.begin(), result.end(), k) == result.end() && is_zero(k)) result.push_back(k);
+        if (std::find(result.begin(), result.end(), k) == result.end() && is_zero(k) && has_none_along(k))
+            result.push_back(k);
     return result;
 }
 
@@ -252,8 +264,16 @@ RBDYN_INLINE bool TreeModel::settle_ending(const Mode& before, Mode& mode, doubl
         return std::find(list.begin(), list.end(), k) != list.end();
     };
     std::vector<int> opening;
+    Evaluator<double> values(before.equations->program);
+    values.set_parameters(before.parameters);
+    values(t, x);
+    // what pulls already does not go on, however its force changes
+    const auto pulls_by_now = [&](int k) {
+        const int force = force_of(before, k);
+        return force >= 0 && values.output(force) < -64.0 * epsilon * size_of_terms(before, t, x, force);
+    };
     for (const int k : of)
-        if (ends(before, k, t, x)) opening.push_back(k);
+        if (pulls_by_now(k) || ends(before, k, t, x)) opening.push_back(k);
     Fired others = fired;
     for (auto* list : {&others.doubtful, &others.breaking}) std::erase_if(*list, [&](int k) { return is_in(of, k); });
     const Mode undecided = mode;
@@ -289,10 +309,18 @@ RBDYN_INLINE std::string TreeModel::no_sliding(int contact) const {
            "(Painleve)";
 }
 
-RBDYN_INLINE std::string TreeModel::no_forces(const std::string& what, const std::vector<int>& of) const {
+RBDYN_INLINE std::string TreeModel::names_of(const std::vector<int>& of) const {
     std::string names;
     for (const int k : of) names += (names.empty() ? "" : ", ") + conditions_->contacts()[at(k)].name;
-    return "no " + what + " of contacts satisfy the laws of friction, of " + names;
+    return names;
+}
+
+RBDYN_INLINE std::string TreeModel::no_forces(const std::string& what, const std::vector<int>& of) const {
+    return "no " + what + " of contacts satisfy the laws of friction, of " + names_of(of);
+}
+
+RBDYN_INLINE std::string TreeModel::not_unique(const std::vector<int>& of) const {
+    return "the forces of contacts that slide are not unique, and the motion depends on them, of " + names_of(of);
 }
 
 RBDYN_INLINE std::string TreeModel::impossible(const Mode& mode, double t, std::span<const double> x) const {
@@ -312,100 +340,6 @@ RBDYN_INLINE std::string TreeModel::impossible(const Mode& mode, double t, std::
         if (!c.is_gone && std::abs(c.touching<double>(*tree_, all).gap) <= 1e-9 * size_of(k, all)) near.push_back(k);
     }
     return lies_flat(near, all);
-}
-
-RBDYN_INLINE std::vector<double> TreeModel::strike_rough(const Mode& before, double t, std::span<double> x,
-                                                         const std::vector<int>& struck, Strokes& strokes) const {
-    const auto all = moving(t, x);
-    Touched touched = this->touched(before, t, all, struck, {}, true);
-    if (!joints_.empty()) return strike_jointed(t, x, struck, touched, strokes);
-    std::vector<double> u, b, noise, normal(at(contacts()), 0.0);
-    for (const auto& row : touched.rows) u.push_back(mechanics::Conditions::rate(row, all));
-    double fastest = 0.0;
-    for (const int k : struck) fastest = std::max(fastest, speed_of(k, all));
-    noise.assign(u.size(), 1e-15 * fastest);
-    const auto solved = [&](double part) {
-        b = u;
-        for (std::size_t i = 0; i < struck.size(); ++i) {
-            double& one = b[static_cast<std::size_t>(touched.cones[i].first)];
-            if (one < 0.0) one *= 1.0 + part * conditions_->contacts()[at(struck[i])].restitution;
-        }
-        return mechanics::solve_any_cones(touched.matrix, b, noise, touched.cones);
-    };
-    // whether there are impulses, and P (u+ + u-) / 2 is no more than rounding
-    const auto gains_nothing = [&](const mechanics::ConeForces& found, double rounding) {
-        if (!found.is_solved) return false;
-        double sum = 0.0, size = 0.0;
-        for (std::size_t i = 0; i < u.size(); ++i) {
-            double after = u[i];
-            for (std::size_t j = 0; j < u.size(); ++j) after += touched.matrix[i][j] * found.force[j];
-            sum += 0.5 * found.force[i] * (after + u[i]);
-            size += std::abs(found.force[i]) * (std::abs(after) + std::abs(u[i]));
-        }
-        return sum <= rounding * size;
-    };
-    mechanics::ConeForces found = solved(1.0);
-    if (!gains_nothing(found, 1e-13)) {
-        // Newton's law and friction together may gain energy, or ask what no impulse can do: the largest part of e
-        // that does neither
-        double low = 0.0, high = 1.0;
-        for (int i = 0; i < 60 && high - low > 1e-16; ++i) {
-            const double middle = 0.5 * (low + high);
-            (gains_nothing(solved(middle), 0.0) ? low : high) = middle;
-        }
-        strokes.lowered = low > 1e-6 ? low : 0.0;
-        found = solved(strokes.lowered);
-    }
-    if (!found.is_solved) {
-        strokes.impossible = no_forces("impulses", struck);
-        return normal;
-    }
-    const std::vector<double> changes = touched.coupled->changes(found.force);
-    for (int k = 0; k < tree_->velocities(); ++k) x[at(tree_->positions() + k)] += changes[at(k)];
-    if (struck.size() > 1) {
-        // to the velocities that the law asks for, not to what rounding makes of the sum of several impulses
-        const auto then = moving(t, x);
-        const auto every = conditions_->rows<double>(*tree_, then);
-        std::vector<int> rows = rows_;
-        std::vector<double> asked(rows.size(), 0.0);
-        for (std::size_t i = 0; i < struck.size(); ++i) {
-            if (found.states[i] == mechanics::ConeState::open) continue;
-            const double came = u[static_cast<std::size_t>(touched.cones[i].first)],
-                         back = -strokes.lowered * conditions_->contacts()[at(struck[i])].restitution;
-            rows.push_back(conditions_->normal_row(struck[i]));
-            asked.push_back((came < 0.0 ? back * came : 0.0) -
-                            mechanics::Conditions::rate(every[at(rows.back())], then));
-        }
-        const std::vector<int> independent =
-            mechanics::independent_rows(*tree_, *conditions_, rows, then, rows_.size());
-        std::vector<double> wanted;
-        for (const int r : independent)
-            wanted.push_back(asked[static_cast<std::size_t>(std::find(rows.begin(), rows.end(), r) - rows.begin())]);
-        const std::vector<double> rest =
-            mechanics::closing::Responses(*tree_, *conditions_, independent, then).exact_changes(wanted);
-        for (int k = 0; k < tree_->velocities(); ++k) x[at(tree_->positions() + k)] += rest[at(k)];
-    }
-    const auto after = moving(t, x);
-    strokes.pushed.assign(at(contacts()), Vector3::Zero());
-    for (std::size_t i = 0; i < struck.size(); ++i) tell_stroke(touched, i, found, after, noise, strokes, normal);
-    return normal;
-}
-
-RBDYN_INLINE void TreeModel::tell_stroke(const Touched& touched, std::size_t i, const mechanics::ConeForces& found,
-                                         const std::vector<mechanics::Moving<double>>& after,
-                                         const std::vector<double>& noise, Strokes& strokes,
-                                         std::vector<double>& normal) const {
-    const auto f = static_cast<std::size_t>(touched.cones[i].first);
-    const int k = touched.all[i].contact;
-    normal[at(k)] = found.force[f];
-    // without dynamic friction it slips on as it did
-    const double slip = touched.cones[i].is_line
-                            ? conditions_->contacts()[at(k)].touching<double>(*tree_, after).slip().norm()
-                            : std::hypot(found.rate[f + 1], found.rate[f + 2]);
-    const bool slips = found.states[i] == mechanics::ConeState::slides && slip > 1e2 * noise[f];
-    if (found.states[i] != mechanics::ConeState::open && is_rough(k) && !slips) strokes.stuck.push_back(k);
-    for (int j = 0; j < (touched.cones[i].is_line ? 1 : 3); ++j)
-        strokes.pushed[at(k)] += touched.all[i].axes[j] * found.force[f + at(j)];
 }
 
 RBDYN_INLINE void TreeModel::tell_friction(const Mode& mode, const Mode& after, const Fired& fired,

@@ -156,8 +156,9 @@ private:
     void settle_smooth(Mode& mode, double t, std::span<double> x, const std::vector<int>& candidates,
                        const std::vector<int>& doubtful) const;
     /// Takes away what rounding has left of approach in what was struck and then let go, so that it does not strike
-    /// again at once.
-    void part(const Mode& mode, double t, std::span<double> x, const std::vector<int>& struck) const;
+    /// again at once. `anyway`: also where doubles tell no approach.
+    void part(const Mode& mode, double t, std::span<double> x, const std::vector<int>& struck,
+              bool anyway = false) const;
     /// Whether the bodies of a contact are at rest and stay so, but for rounding.
     bool stands(const Mode& mode, int contact, double t, std::span<const double> x) const;
     /// What impacts with friction did.
@@ -221,6 +222,9 @@ private:
                              const std::vector<int>& chosen) const;
     /// Why contacts have no forces, or impulses, in words.
     std::string no_forces(const std::string& what, const std::vector<int>& of) const;
+    /// That the forces of these contacts are one choice of many, on which the motion depends.
+    std::string not_unique(const std::vector<int>& of) const;
+    std::string names_of(const std::vector<int>& of) const;
     /// Why a contact does not slide on, in words.
     std::string no_sliding(int contact) const;
     /// Whether what friction holds has forces that the motion does not determine.
@@ -241,6 +245,10 @@ private:
     /// As strike(), with friction.
     std::vector<double> strike_rough(const Mode& before, double t, std::span<double> x, const std::vector<int>& struck,
                                      Strokes& strokes) const;
+    /// The same contacts, those that slip faster by far than anything comes pushed along what slips, in its direction;
+    /// whether there are any.
+    bool slip_on(const Mode& before, double t, const std::vector<mechanics::Moving<double>>& all,
+                 const std::vector<int>& struck, Touched& touched) const;
     /// What became of contacts that were closed and are.
     void tell_friction(const Mode& mode, const Mode& after, const Fired& fired,
                        const std::vector<mechanics::Moving<double>>& before,
@@ -265,6 +273,8 @@ private:
     bool is_held_in_time(const Mode& mode, double t, std::span<const double> x) const;
     /// Takes what rounding has left of velocities that the rows of a mode hold at zero.
     void quiet(const Mode& mode, double t, std::span<double> x, std::span<double> rest) const;
+    /// Sets to zero the velocities that rows leave nothing that they could be.
+    void set_to_rest(const std::vector<int>& rows, double t, std::span<double> x, std::span<double> rest) const;
     /// Whether joints, rails or their surfaces move as functions of time say.
     bool is_driven() const;
     /// Which bodies come to rest, from a mode and the state `was` in it.
@@ -296,6 +306,8 @@ private:
         double time = 0.0;       // s: the sum of those to come
         double unsure = 0.0;     // s: by how much it may be another
         bool is_summed = false;  // to first order in their speed, from where that is the rounding of places
+        bool slid = false;       // what touched slid until the last of them
+        double pull = 0.0;       // m/s^2: how fast they are pressed together
     };
     /// The contacts that bounce on after an impact, if doubles cannot tell any of these bounces from rest: they are as
     /// short as the rounding of the time. `came` [m/s]: the speed of the fastest that has struck.
@@ -325,6 +337,8 @@ private:
     // as the square root of that
     static constexpr double low_bounce = 0x1p-14;
     static constexpr double lowest_bounce = 4096.0;  // in units of the rounding of the gap
+    // flights, in roundings of the time, below which bounces of what slides meanwhile have no digits left
+    static constexpr double mixed_bounce = 0x1p14;
     // of the speed along the surface, some times what impulses take for rounding
     static constexpr double slowest_bounce = 3e-14;
     // flights this much longer than the rounding of the time are not the last ones

@@ -95,13 +95,19 @@ RBDYN_INLINE void TreeModel::come_to_stand(Mode& mode, double t, std::span<const
 
 RBDYN_INLINE void TreeModel::quiet(const Mode& mode, double t, std::span<double> x, std::span<double> rest) const {
     const std::vector<int> rows = rows_in(mode);
-    if (rows.size() == rows_.size() || is_driven()) return;
+    if (rows.size() > rows_.size() && !is_driven()) set_to_rest(rows, t, x, rest);
+}
+
+RBDYN_INLINE void TreeModel::set_to_rest(const std::vector<int>& rows, double t, std::span<double> x,
+                                         std::span<double> rest) const {
     const mechanics::resting::Reactions reactions(*tree_, *conditions_, rows, moving(t, x));
     for (int i = 0; i < bodies(); ++i)
         for (int k = 0; k < tree_->node(i).joint.velocities(); ++k) {
             const std::size_t place = at(tree_->positions() + tree_->node(i).v + k);
-            if ((x[place] == 0.0 && rest[place] == 0.0) || !reactions.determine(i, k)) continue;
-            x[place] = rest[place] = 0.0;
+            const bool is_none = x[place] == 0.0 && (rest.empty() || rest[place] == 0.0);
+            if (is_none || !reactions.determine(i, k)) continue;
+            x[place] = 0.0;
+            if (!rest.empty()) rest[place] = 0.0;
         }
 }
 

@@ -203,8 +203,8 @@ RBDYN_INLINE std::pair<double, double> TreeModel::strike_alone(double t, std::sp
     return {impulse, asked};
 }
 
-RBDYN_INLINE void TreeModel::part(const Mode& mode, double t, std::span<double> x,
-                                  const std::vector<int>& struck) const {
+RBDYN_INLINE void TreeModel::part(const Mode& mode, double t, std::span<double> x, const std::vector<int>& struck,
+                                  bool anyway) const {
     for (int turn = 0; turn < 3; ++turn) {
         const auto all = moving(t, x);
         const auto rows = conditions_->rows<double>(*tree_, all);
@@ -214,10 +214,11 @@ RBDYN_INLINE void TreeModel::part(const Mode& mode, double t, std::span<double> 
             if (mode.slip[at(k)] != flies) continue;
             const int row = conditions_->normal_row(k);
             const double u = mechanics::Conditions::rate(rows[at(row)], all);
-            if (u >= 0.0) continue;
+            const double little = 0x1p-53 * speed_of(k, all);
+            if (u >= (anyway ? little : 0.0)) continue;
             used.push_back(row);
             // a little more each time, for what is asked for is rounded too
-            asked.push_back(-u + turn * 0x1p-53 * speed_of(k, all));
+            asked.push_back(-u + (anyway ? turn + 2 : turn) * little);
         }
         if (used.size() == rows_in(mode).size()) return;
         const std::vector<int> independent = mechanics::independent_rows(*tree_, *conditions_, used, all);

@@ -95,7 +95,10 @@ struct TreeModel::Encounter {
 
 /// Bounces of several contacts, so low that doubles do not tell how high each of them is.
 RBDYN_INLINE bool TreeModel::Encounter::is_low(int k) {
-    return model.contacts() > 1 && model.follows_together(mode) && flight > 4.0 * epsilon * std::abs(t) &&
+    // where friction rubs between them the digits beyond doubles tell as well what comes now and what later
+    const bool is_free = model.joints_.empty() && model.resistances() == 0;
+    const bool is_known = model.follows_together(mode) || (model.conditions_->is_rough() && is_free);
+    return model.contacts() > 1 && is_known && flight > 4.0 * epsilon * std::abs(t) &&
            std::abs(rate(all, k)) * flight <= low_bounce * model.size_of(k, all);
 }
 
@@ -173,11 +176,15 @@ RBDYN_INLINE void TreeModel::Encounter::strike() {
         after.impossible = strokes.impossible;
         return;
     }
-    ++after.jumps;
+    // what comes to its surface without a speed has its guard behind it, and strikes nothing
+    const bool strikes = std::any_of(impulses.begin(), impulses.end(), [](double one) { return one > 0.0; });
+    if (strikes || !model.conditions_->is_rough()) ++after.jumps;
     events.stuck = strokes.stuck;
     let_fly(is_alone, made_alone);
     model.settle(mode, after, t, x, at_rest, events);
     if (after.impossible.empty() && !at_rest.empty()) model.part(after, t, x, at_rest);
+    // what comes with less than doubles know of a speed, and has nothing to press it, flies along
+    if (after.impossible.empty() && !strikes && model.conditions_->is_rough()) model.part(after, t, x, landing, true);
     forget();
     if (are_low && after.impossible.empty()) model.meet(t, x, rest, closed);
     // what bounces alone, its flights long yet, goes on
@@ -185,6 +192,7 @@ RBDYN_INLINE void TreeModel::Encounter::strike() {
     if (!goes_on) {
         double came = 0.0;
         for (const int k : landing) came = std::max(came, -rate(all, k));
+        left.slid = model.conditions_->is_rough() && !model.follows_together(mode);
         group = model.accumulating(after, t, x, rest, closed, came, left);
     }
     if (group.empty() && after.impossible.empty() && flight <= 8.0 * epsilon * std::abs(t))
@@ -220,13 +228,22 @@ RBDYN_INLINE void TreeModel::Encounter::let_fly(bool is_alone, double made_alone
 
 /// What is left of the bounces of a group is less than rounding: none of them moves any more.
 RBDYN_INLINE void TreeModel::Encounter::end_bounces() {
-    at_rest.insert(at_rest.end(), group.begin(), group.end());
+    for (const int k : group)
+        if (!is_in(at_rest, k)) at_rest.push_back(k);
+    if (after.jumps == mode.jumps) ++after.jumps;
     const std::vector<double> bounced(x.begin(), x.end());
     const Mode struck = after;
     // friction without bound stops what it is not pushed along by
     std::vector<int> stuck = strokes.stuck;
     for (const int k : at_rest)
         if (law(k).never_slips() && (strokes.pushed.empty() || strokes.pushed[at(k)].isZero(0.0))) stuck.push_back(k);
+    // a slip that ends within the rounding of the time is none
+    const auto motion = model.moving(t, x);
+    const double late = (left.slid ? model.mixed_bounce : 64.0) * epsilon * std::abs(t);
+    for (const int k : at_rest)
+        if (law(k).is_rough() && law(k).sliding() > 0.0 && !is_in(stuck, k) &&
+            law(k).touching<double>(*model.tree_, motion).slip().norm() <= late * left.pull)
+            stuck.push_back(k);
     come_to_rest(struck, bounced, stuck, nullptr);
     // joints that slide resist what is left out, pressed as they are then
     if (!model.joints_.empty() && after.impossible.empty())

@@ -1,0 +1,121 @@
+"""Where bounces with friction end: in corners, against walls that nothing presses on, and in flight beside each other.
+
+Truths: what two contacts at right angles leave of a ball's motion (nothing), impact by impact by hand, and free flight.
+"""
+
+import math
+
+import numpy as np
+import pytest
+import rbdyn as rb
+
+G = 9.8125
+# below that the events by hand go on
+LAST = 1e-15
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_a_ball_that_lands_in_a_corner_is_at_rest_to_the_bit(seed):
+    """It rolls down the wall: floor and wall together stop all of it; it went on rolling at 1e-17 rad/s."""
+    rng = np.random.default_rng(seed)
+    radius, mass, speed = rng.uniform(0.1, 0.4), rng.uniform(0.5, 3.0), rng.uniform(0.01, 0.2)
+    moment = rng.uniform(0.3, 0.9) * mass * radius**2
+    scene = rb.Scene(gravity=[0, -G, 0])
+    b = scene.add(
+        rb.RigidBody(mass, [moment / 2, moment / 2, moment]),
+        rb.Planar([1, 0, 0], [0, 1, 0]),
+        position=[-radius, radius + rng.uniform(0, 1e-3)],
+        velocity=[0, -speed],
+        rate=-speed / radius,
+    )
+    for plane in rb.Plane([0, 1, 0]), rb.Plane([-1, 0, 0]):
+        scene.contact(b.sphere(radius), plane, friction=rb.Coulomb(0.7))
+    run = rb.simulate(scene, 1e5, rtol=1e-12)
+    # what the wall does not press is held by no row, and its acceleration is one of rounding
+    assert max(np.abs(run[b].velocity(1e5)).max(), np.abs(run[b].angular_velocity(1e5)).max()) < 1e-25
+    assert (run[b].position(0.2) == run[b].position(1e5)).all() and run[b].angle(0.2) == run[b].angle(1e5)
+
+
+def bounced_to_rest(radius, mass, moment, slope, mu, e, v, omega, gap):
+    """When the last bounce ends, by hand: it slides on the floor to the wall, is thrown up by its friction, lands."""
+    t, pull, down = 0.0, G * math.sin(slope), G * math.cos(slope)
+    while max(abs(v), abs(radius * omega)) > LAST:
+        # along the floor, in two parts where its slip turns round
+        while True:
+            way = math.copysign(1.0, v + radius * omega)
+            a, turn = pull - mu[0] * down * way, -way * mu[0] * mass * down * radius / moment
+            until = (-v + math.sqrt(v * v + 2 * a * gap)) / a
+            stops = -(v + radius * omega) / (a + radius * turn)
+            d = min(until, stops) if stops > 0 else until
+            gap -= v * d + a * d * d / 2
+            v, omega, t = v + a * d, omega + turn * d, t + d
+            if d == until:
+                break
+            # it rolls for an instant, and slips the other way from there, by a bit
+            omega = -v / radius
+            omega -= way * abs(omega) * 1e-15
+        # the wall pushes it back, and its friction up, until nothing slips there
+        assert omega < 0
+        rubs = min(mu[1] * (1 + e) * mass * v, -omega * radius / (1 / mass + radius**2 / moment))
+        v, up, omega = -e * v, rubs / mass, omega + rubs * radius / moment
+        d = 2 * up / down
+        gap, v, t = -(v * d + pull * d * d / 2), v + pull * d, t + d
+        way = math.copysign(1.0, v + radius * omega)
+        v, omega = v - way * mu[0] * up, omega - way * mu[0] * mass * up * radius / moment
+        gap = max(gap, 0.0)
+    return t
+
+
+def test_a_ball_bounces_to_rest_in_a_corner():
+    """Every impact on the wall throws it off the floor: what went on were a thousand events within 1e-10 s."""
+    radius, mass, moment, slope, mu, e = 0.171875, 2.25, 0.055, 0.5, (0.1, 0.1), 0.7
+    scene = rb.Scene(gravity=[G * math.sin(slope), -G * math.cos(slope), 0])
+    b = scene.add(
+        rb.RigidBody(mass, [moment / 2, moment / 2, moment]),
+        rb.Planar([1, 0, 0], [0, 1, 0]),
+        position=[-radius - 0.0625, radius],
+        velocity=[0.9, 0.0],
+        rate=-0.9,
+    )
+    floor = scene.contact(b.sphere(radius), rb.Plane([0, 1, 0]), friction=rb.Coulomb(mu[0]))
+    wall = scene.contact(b.sphere(radius), rb.Plane([-1, 0, 0]), friction=rb.Coulomb(mu[1]), restitution=e)
+    run = rb.simulate(scene, 3.0, error=1e-7, max_steps=2000)
+    assert run.status == "reached end"
+    end = bounced_to_rest(radius, mass, moment, slope, mu, e, 0.9, -0.9, 0.0625)
+    # places of the wall are known to 5e-17 m, and a flight as low takes 5e-9 s
+    assert abs(run.events[-1].time / end - 1) < run.error < 1e-7
+    assert not run[b].velocity(3.0).any() and not run[b].angular_velocity(3.0).any()
+    assert [run[contact].state(3.0) for contact in (floor, wall)] == ["sticks", "sticks"]
+
+
+@pytest.mark.parametrize("turns", [1e-7, 1e-6, 1e-5, 1e-3])
+@pytest.mark.parametrize("way", [0.1, 1.0, 2.0, 3.0])
+def test_balls_that_fly_along_touching_do_not_hold_each_other(way, turns):
+    """Rolling on each other they part as what flies straight on does; a contact that pulled held them together."""
+    radii, masses = np.array([0.2, 0.3]), (1.0, 2.0)
+    normal = np.array([math.cos(way), math.sin(way)])
+    across = np.array([-normal[1], normal[0]])
+    scene = rb.Scene(gravity=[1.0, -G, 0])
+    starts = np.array([0.0, 1.0]), np.array([0.0, 1.0]) + radii.sum() * normal
+    speeds = np.array([1.0, 2.0]), np.array([1.0, 2.0]) + turns * radii.sum() * across
+    balls = [
+        scene.add(
+            rb.RigidBody(m, [0.01 * m, 0.01 * m, 0.02 * m]),
+            rb.Planar([1, 0, 0], [0, 1, 0]),
+            position=list(x),
+            velocity=list(v),
+            rate=turns,
+        )
+        for m, x, v in zip(masses, starts, speeds, strict=True)
+    ]
+    contact = scene.contact(balls[0].sphere(0.2), balls[1].sphere(0.3), friction=rb.Coulomb(0.3))
+    run = rb.simulate(scene, 0.3, rtol=1e-12)
+    t = np.linspace(0.01, 0.3, 30)
+    assert not run[contact].force(t).any()
+    for b, x, v in zip(balls, starts, speeds, strict=True):
+        free = x[:, None] + np.outer(v, t) + np.outer([1.0, -G], t * t / 2)
+        assert np.abs(run[b].position(t)[:, :2].T - free).max() < 1e-15
+        assert np.allclose(run[b].angular_velocity(t)[:, 2], turns, rtol=1e-8)
+    # (r^2 + (u t)^2)^(1/2) - r
+    apart = (turns * t) ** 2 * radii.sum() / 2
+    assert np.abs(run[contact].gap(t) / apart - 1).max() < 1e-6 + 2e-15 / apart.min()
