@@ -23,10 +23,12 @@
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/mechanics/closure.hpp"
+#include "rbdyn/mechanics/cone_choice.hpp"
 #include "rbdyn/mechanics/contact_state.hpp"
 #include "rbdyn/mechanics/friction_cones.hpp"
 #include "rbdyn/mechanics/touched.hpp"
 #include "rbdyn/mechanics/tree_model.hpp"
+#include "rbdyn/mechanics/tree_strikes.ipp"
 #include "rbdyn/model/at_zero.hpp"
 #include "rbdyn/model/leading_sign.hpp"
 
@@ -360,6 +362,11 @@ RBDYN_INLINE std::vector<double> TreeModel::strike_rough(const Mode& before, dou
         strokes.impossible = no_forces("impulses", struck);
         return normal;
     }
+    for (const auto& other : mechanics::other_forces(touched.matrix, noise, touched.cones, found))
+        if (other.makes_difference(touched.matrix, fastest)) {
+            strokes.impossible = friction::depends_on(other.change, struck, touched.cones, *conditions_);
+            return normal;
+        }
     const std::vector<double> changes = touched.coupled->changes(found.force);
     for (int k = 0; k < tree_->velocities(); ++k) x[at(tree_->positions() + k)] += changes[at(k)];
     if (struck.size() > 1) {

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <limits>
 #include <span>
+#include <string>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -19,10 +20,28 @@
 #include "rbdyn/mechanics/closure.hpp"
 #include "rbdyn/mechanics/complementarity.hpp"
 #include "rbdyn/mechanics/contact_state.hpp"
+#include "rbdyn/mechanics/friction_cones.hpp"
 #include "rbdyn/mechanics/touched.hpp"
 #include "rbdyn/mechanics/tree_model.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
+
+namespace friction {
+
+/// That the motion depends on which of many impulses there are, in words: of contacts whose impulses `others` change.
+inline std::string depends_on(const std::vector<double>& others, const std::vector<int>& struck,
+                              const std::vector<mechanics::Cone>& cones, const mechanics::Conditions& conditions) {
+    double most = 0.0;
+    const auto normal = [&](std::size_t i) { return std::abs(others[static_cast<std::size_t>(cones[i].first)]); };
+    for (std::size_t i = 0; i < struck.size(); ++i) most = std::max(most, normal(i));
+    std::string names;
+    for (std::size_t i = 0; i < struck.size(); ++i)
+        if (normal(i) > 1e-9 * most)
+            names += (names.empty() ? "" : ", ") + conditions.contacts()[static_cast<std::size_t>(struck[i])].name;
+    return "the impulses of contacts that slide are not unique, and the motion depends on them, of " + names;
+}
+
+}  // namespace friction
 
 RBDYN_INLINE void TreeModel::hold(const Mode& mode, double t, std::span<double> x, std::span<double> rest) const {
     const std::vector<int> rows = rows_in(mode);
