@@ -20,8 +20,8 @@ struct OtherForces {
     bool makes_difference(const Square& a, double fastest) const;
 };
 
-/// Changes of the forces found with which each contact goes on with what it does, to first order: a basis, without
-/// those that would have to pull (cone_choice.ipp).
+/// Changes of the forces found with which each contact goes on with what it does, to first order: a basis of those of
+/// what pushes, then with each contact besides that touches and does not push yet.
 std::vector<OtherForces> other_forces(const Square& a, const std::vector<double>& noise, const std::vector<Cone>& cones,
                                       const ConeForces& found);
 

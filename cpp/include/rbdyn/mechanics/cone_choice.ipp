@@ -49,52 +49,50 @@ RBDYN_INLINE std::vector<OtherForces> other_forces(const Square& a, const std::v
     std::vector<bool> is_closed(n, false);
     SquareMatrix m(static_cast<int>(n));
     const auto put = [&](std::size_t i, std::size_t j, double v) { m(static_cast<int>(i), static_cast<int>(j)) += v; };
-    for (std::size_t k = 0; k < all.size(); ++k) {
+    const auto condition = [&](std::size_t k, bool is_open) {
         const auto f = static_cast<std::size_t>(all[k].first);
-        double size = noise[f];
-        for (std::size_t j = 0; j < n; ++j) size += 1e-14 * std::abs(a[f][j] * found.force[j]);
-        const bool pushes = found.states[k] != ConeState::open && found.force[f] > 1e-12 * most * unit[f];
-        const bool is_open = !pushes && std::abs(found.rate[f]) > 8.0 * size;
-        if (!pushes && !is_open) touching.push_back(f);
         for (std::size_t i = f; i < f + unknowns(all[k]); ++i) {
             is_closed[i] = !is_open;
+            for (std::size_t j = 0; j < n; ++j) m(static_cast<int>(i), static_cast<int>(j)) = 0.0;
             if (is_open) put(i, i, 1.0);
         }
-        if (is_open) continue;
+        if (is_open) return;
         const double speed = all[k].is_line ? 0.0 : std::hypot(found.rate[f + 1], found.rate[f + 2]);
         const bool slides =
             !all[k].is_line && std::isfinite(all[k].mu) && speed > 1e2 * noise[f] && found.states[k] != ConeState::held;
         for (std::size_t i = f; i < f + (slides ? 1 : unknowns(all[k])); ++i)
             for (std::size_t j = 0; j < n; ++j) put(i, j, unit[i] * a[i][j] * unit[j]);
-        if (!slides) continue;
+        if (!slides) return;
         const double d[2] = {found.rate[f + 1] / speed, found.rate[f + 2] / speed},
-                     turning = all[k].mu * std::max(found.force[f], 0.0), own = unit[f + 1] * unit[f + 1],
-                     whole = speed * own + turning;
+                     turning = all[k].mu * std::max(found.force[f], 0.0), own = speed * unit[f + 1] * unit[f + 1],
+                     whole = own * std::max(all[k].mu, 1.0) + turning;
         for (std::size_t i = 0; i < 2; ++i) {
-            put(f + 1 + i, f + 1 + i, speed * own / whole);
-            put(f + 1 + i, f, speed * own / whole * all[k].mu * d[i]);
+            put(f + 1 + i, f + 1 + i, own / whole);
+            put(f + 1 + i, f, own / whole * all[k].mu * d[i]);
             for (std::size_t j = 0; j < n; ++j)
                 put(f + 1 + i, j,
                     turning / whole * unit[f + 1] * unit[j] *
                         (a[f + 1 + i][j] - d[i] * (d[0] * a[f + 1][j] + d[1] * a[f + 2][j])));
         }
+    };
+    for (std::size_t k = 0; k < all.size(); ++k) {
+        const auto f = static_cast<std::size_t>(all[k].first);
+        double size = noise[f];
+        for (std::size_t j = 0; j < n; ++j) size += 1e-14 * std::abs(a[f][j] * found.force[j]);
+        const bool pushes = found.states[k] != ConeState::open && found.force[f] > 1e-12 * most * unit[f];
+        if (!pushes && std::abs(found.rate[f]) <= 8.0 * size) touching.push_back(k);
+        condition(k, !pushes);
     }
     std::vector<OtherForces> result;
-    for (std::size_t column = 0; column < n; ++column) {
-        if (!is_closed[column]) continue;
+    const auto add = [&](std::size_t column) {
         // a unit of it, and what the others do against that
         std::vector<double> by(n);
         for (std::size_t i = 0; i < n; ++i) by[i] = -m(static_cast<int>(i), static_cast<int>(column));
         std::vector<double> way = rbdyn::solve(m, by, 1e-11).x;
-        if (std::abs(way[column] + 1.0) < 0.5) continue;
+        if (std::abs(way[column] + 1.0) < 0.5) return;
         way[column] += 1.0;
         double largest = 0.0;
         for (const double one : way) largest = std::max(largest, std::abs(one));
-        const auto may = [&](double sign) {
-            return std::all_of(touching.begin(), touching.end(),
-                               [&](std::size_t f) { return sign * way[f] >= -1e-9 * largest; });
-        };
-        if (!may(1.0) && !may(-1.0)) continue;
         OtherForces other{std::vector<double>(n), 0.0};
         const double times = most / largest;
         for (std::size_t i = 0; i < n; ++i) {
@@ -108,6 +106,17 @@ RBDYN_INLINE std::vector<OtherForces> other_forces(const Square& a, const std::v
             other.rounding = std::max(other.rounding, times * (std::abs(left) + 1e-15 * size) / unit[i]);
         }
         result.push_back(std::move(other));
+    };
+    const auto add_all = [&] {
+        for (std::size_t column = 0; column < n; ++column)
+            if (is_closed[column]) add(column);
+    };
+    add_all();
+    // with those that push any one that touches may: at a corner of the choices each other one begins so
+    for (const std::size_t k : touching) {
+        condition(k, false);
+        add_all();
+        condition(k, true);
     }
     return result;
 }
