@@ -2,6 +2,7 @@
 #include "exported.hpp"
 
 #include "rbdyn/mechanics/complementarity.ipp"
+#include "rbdyn/mechanics/cone_choice.ipp"
 #include "rbdyn/mechanics/cone_program.ipp"
 #include "rbdyn/mechanics/foot.ipp"
 #include "rbdyn/mechanics/friction_cones.ipp"

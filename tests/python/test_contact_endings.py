@@ -20,7 +20,7 @@ NAMED = (
     # Painleve's configurations, and what jams
     "no forces of contacts satisfy the laws of friction",
     "no force keeps contacts sliding",
-    "are not unique, and the motion depends on them",
+    "are not unique, and the motion depends on",
 )
 
 

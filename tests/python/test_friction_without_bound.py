@@ -117,3 +117,27 @@ def test_friction_without_bound_is_the_limit_of_large_friction(is_rod, restituti
         assert np.abs(run[body].position(1.0) - near[other].position(1.0)).max() < 1e-6
         assert abs(run[body].angle(1.0) - near[other].angle(1.0)) < 1e-6
     assert ran >= 10
+
+
+def test_a_plate_in_space_drags_the_foot_that_it_comes_down_on():
+    """The foot would have to be pulled to stick: it slides, unpressed, until the next one lands."""
+    landed = []
+    for mu in (math.inf, 1e10, 1e8):
+        scene = rb.Scene(gravity=[0, 0, -9.81])
+        a, b, h = 0.5221406442071022, 0.6949129451272993, 0.08447054027319553
+        tilt = np.array([-0.007022033568558819, -0.1916230725399971, 0.0])
+        angle = np.linalg.norm(tilt)
+        x, y, z = tilt / angle
+        cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+        attitude = np.eye(3) + math.sin(angle) * cross + (1 - math.cos(angle)) * cross @ cross
+        feet = [np.array([p * a, q * b, -h]) for p in (-1, 1) for q in (-1, 1)]
+        com = [0.04881430520002745, -0.20280928884773092, 0.0]
+        body = rb.RigidBody(1.0, 4 / 12 * np.array([b * b + h * h, a * a + h * h, a * a + b * b]), com=com)
+        height = 0.5 - min((attitude @ foot)[2] for foot in feet)
+        plate = scene.add(body, position=[0.1, -0.2, height], velocity=[0, 2.4387058312696266, -2.0], attitude=attitude)
+        for foot in feet:
+            scene.contact(plate.point(foot), rb.Plane([0, 0, 1]), friction=rb.Coulomb(mu))
+        run = rb.simulate(scene, 0.25)
+        landed.append([*run.events.times("land")[:2], *run[plate].position(0.25)])
+    assert landed[0][1] - landed[0][0] > 1e-3
+    np.testing.assert_allclose(landed[1:], [landed[0]] * 2, rtol=0, atol=1e-6)

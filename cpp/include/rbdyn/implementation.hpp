@@ -137,6 +137,7 @@
 #include "rbdyn/mechanics/assemble.ipp"
 #include "rbdyn/mechanics/closure.ipp"
 #include "rbdyn/mechanics/complementarity.ipp"
+#include "rbdyn/mechanics/cone_choice.ipp"
 #include "rbdyn/mechanics/cone_program.ipp"
 #include "rbdyn/mechanics/constraint.ipp"
 #include "rbdyn/mechanics/exert.ipp"

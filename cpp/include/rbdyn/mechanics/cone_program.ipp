@@ -253,6 +253,9 @@ inline bool newton(const Scaled& p, const std::vector<ConeState>& states, std::v
 /// The exact solution from one nearby, what contacts do changed until all conditions hold.
 inline std::optional<ConeForces> settled(const Scaled& p, std::vector<ConeState> states, std::vector<double> z) {
     const std::size_t count = p.cones.size();
+    // what has no edge does not slide on it
+    for (std::size_t k = 0; k < count; ++k)
+        if (states[k] == ConeState::slides && !p.cones[k].is_line && is_endless(p.cones[k])) return std::nullopt;
     std::vector<double> slip(count, 0.0), u = p.rates(z);
     const auto resisted = [&](std::size_t k) {
         const auto f = static_cast<std::size_t>(p.cones[k].first);

@@ -216,8 +216,10 @@ RBDYN_INLINE ConeForces solve_cones(const Square& a, const std::vector<double>& 
     }
     if (auto found = cones::by_trial(a, b, noise, all, result)) return *std::move(found);
     for (std::size_t i = 0; i < n; ++i) result.rate[i] = driven(i, n, 0);
-    // what is symmetric and has no exact solution has none
-    result.is_solved = result.is_solved && left <= 1e-9 && !is_symmetric;
+    // one alone is solved for as it is, however wide its cone; else what is symmetric and has no exact solution has
+    // none
+    const bool is_exact = all.size() == 1 && left <= 1e-15 && result.states[0] == ConeState::slides;
+    result.is_solved = result.is_solved && (is_exact || (left <= 1e-9 && !is_symmetric));
     return result;
 }
 

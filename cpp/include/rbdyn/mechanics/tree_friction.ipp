@@ -23,10 +23,12 @@
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/mechanics/closure.hpp"
+#include "rbdyn/mechanics/cone_choice.hpp"
 #include "rbdyn/mechanics/contact_state.hpp"
 #include "rbdyn/mechanics/friction_cones.hpp"
 #include "rbdyn/mechanics/touched.hpp"
 #include "rbdyn/mechanics/tree_model.hpp"
+#include "rbdyn/mechanics/tree_strikes.ipp"
 #include "rbdyn/model/at_zero.hpp"
 #include "rbdyn/model/leading_sign.hpp"
 
@@ -307,6 +309,18 @@ RBDYN_INLINE std::string TreeModel::no_sliding(int contact) const {
     return "no force keeps " + conditions_->contacts()[at(contact)].name +
            " sliding: its friction turns the body into what it slides on as fast as its normal force turns it out "
            "(Painleve)";
+}
+
+RBDYN_INLINE std::string TreeModel::impulses_not_unique(const std::vector<double>& others,
+                                                        const std::vector<int>& struck,
+                                                        const std::vector<mechanics::Cone>& cones) const {
+    const auto normal = [&](std::size_t i) { return std::abs(others[at(cones[i].first)]); };
+    double most = 0.0;
+    for (std::size_t i = 0; i < struck.size(); ++i) most = std::max(most, normal(i));
+    std::vector<int> shared;
+    for (std::size_t i = 0; i < struck.size(); ++i)
+        if (normal(i) > 1e-9 * most) shared.push_back(struck[i]);
+    return "the impulses of contacts that slide are not unique, and the motion depends on them, of " + names_of(shared);
 }
 
 RBDYN_INLINE std::string TreeModel::names_of(const std::vector<int>& of) const {

@@ -13,6 +13,7 @@
 #include <span>
 #include <vector>
 
+#include "rbdyn/mechanics/cone_choice.hpp"
 #include "rbdyn/mechanics/friction_cones.hpp"
 #include "rbdyn/mechanics/joint_friction.hpp"
 #include "rbdyn/mechanics/touched.hpp"
@@ -20,6 +21,9 @@
 #include "rbdyn/mechanics/tree_model.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
+
+/// Of rates, the part that is rounding where joints resist, too.
+inline constexpr double rounding_of_jolts = 8e-15;
 
 /// What an impact does to contacts and joints.
 struct TreeModel::Jolt {
@@ -29,6 +33,7 @@ struct TreeModel::Jolt {
     double work = 0.0, size = 0.0;      // of all impulses, P (u+ + u-) / 2, and of what that is a sum
     std::vector<int> sign;              // of joints: zero where they come to rest
     std::vector<bool> is_beyond;        // whether that would take more than there is
+    std::vector<double> depends;        // how impulses of contacts may be others, if that gives another motion
     bool is_solved = false;
 };
 
@@ -39,6 +44,26 @@ RBDYN_INLINE TreeModel::Jolt TreeModel::jolted(const Touched& touched, const std
     const auto every = conditions_->rows<double>(*tree_, touched.moving);
     const auto constraints = constraints_of(every);
     std::vector<std::array<double, 2>> along(n, {0.0, 0.0});
+    double fastest = 0.0;
+    for (const double one : noise) fastest = std::max(fastest, one / rounding_of_jolts);
+    // whether other impulses of contacts, by which those of joints are others, give another motion
+    const auto depends = [&](const mechanics::ConeForces& found, const mechanics::Square& a,
+                             const friction::Coupled& coupled, const std::vector<std::vector<double>>& answers) {
+        for (const auto& other : mechanics::other_forces(a, noise, touched.cones, found)) {
+            std::vector<double> z = other.change;
+            for (std::size_t h = 0; h < answers.front().size(); ++h) {
+                z.push_back(0.0);
+                for (std::size_t j = 0; j < count; ++j) z.back() += answers[j][h] * other.change[j];
+            }
+            const std::vector<double> changes = coupled.changes(z);
+            bool makes_difference = other.makes_difference(a, fastest);
+            for (const mechanics::RoughJoint& joint : joints_)
+                makes_difference = makes_difference || std::abs(joint.radius * changes[at(joint.v)]) >
+                                                           std::max(1e-12 * fastest, 1e2 * other.rounding);
+            if (makes_difference) return other.change;
+        }
+        return std::vector<double>();
+    };
     const auto solve = [&](const std::vector<int>& sign) {
         Jolt jolt;
         jolt.sign = sign;
@@ -117,6 +142,7 @@ RBDYN_INLINE TreeModel::Jolt TreeModel::jolted(const Touched& touched, const std
             }
             converges = turned < 1e-13 || (turned < 1e-9 && turned >= last);
             last = turned;
+            if (converges) jolt.depends = depends(jolt.contacts, a, coupled, answers);
             // what follows for joints
             jolt.is_solved = converges;
             jolt.is_beyond.assign(n, false);
@@ -187,7 +213,7 @@ RBDYN_INLINE std::vector<double> TreeModel::strike_jointed(double t, std::span<d
     for (const auto& row : touched.rows) u.push_back(mechanics::Conditions::rate(row, all));
     double fastest = 0.0;
     for (const int k : struck) fastest = std::max(fastest, speed_of(k, all));
-    noise.assign(u.size(), 8e-15 * fastest);
+    noise.assign(u.size(), rounding_of_jolts * fastest);
     for (std::size_t i = 0; i < joints_.size(); ++i) {
         const mechanics::RoughJoint& joint = joints_[i];
         slip.push_back(joint.slip(t, all, x[at(tree_->positions() + joint.v)]));
@@ -216,6 +242,10 @@ RBDYN_INLINE std::vector<double> TreeModel::strike_jointed(double t, std::span<d
     }
     if (!jolt.is_solved) {
         strokes.impossible = no_forces("impulses", struck);
+        return normal;
+    }
+    if (!jolt.depends.empty()) {
+        strokes.impossible = impulses_not_unique(jolt.depends, struck, touched.cones);
         return normal;
     }
     for (int k = 0; k < tree_->velocities(); ++k) x[at(tree_->positions() + k)] += jolt.changes[at(k)];

@@ -225,6 +225,10 @@ private:
     /// That the forces of these contacts are one choice of many, on which the motion depends.
     std::string not_unique(const std::vector<int>& of) const;
     std::string names_of(const std::vector<int>& of) const;
+    /// That the motion depends on which of many impulses there are, in words: of contacts whose impulses `others`
+    /// change.
+    std::string impulses_not_unique(const std::vector<double>& others, const std::vector<int>& struck,
+                                    const std::vector<mechanics::Cone>& cones) const;
     /// Why a contact does not slide on, in words.
     std::string no_sliding(int contact) const;
     /// Whether what friction holds has forces that the motion does not determine.

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "rbdyn/mechanics/closure.hpp"
+#include "rbdyn/mechanics/cone_choice.hpp"
 #include "rbdyn/mechanics/contact_state.hpp"
 #include "rbdyn/mechanics/friction_cones.hpp"
 #include "rbdyn/mechanics/touched.hpp"
@@ -73,6 +74,11 @@ RBDYN_INLINE std::vector<double> TreeModel::strike_rough(const Mode& before, dou
         strokes.impossible = no_forces("impulses", struck);
         return normal;
     }
+    for (const auto& other : mechanics::other_forces(touched.matrix, noise, touched.cones, found))
+        if (other.makes_difference(touched.matrix, fastest)) {
+            strokes.impossible = impulses_not_unique(other.change, struck, touched.cones);
+            return normal;
+        }
     const std::vector<double> changes = touched.coupled->changes(found.force);
     for (int k = 0; k < tree_->velocities(); ++k) x[at(tree_->positions() + k)] += changes[at(k)];
     if (struck.size() > 1) {

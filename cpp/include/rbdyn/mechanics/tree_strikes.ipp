@@ -9,6 +9,8 @@
 #include <cmath>
 #include <cstddef>
 #include <span>
+#include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -16,6 +18,7 @@
 #include "rbdyn/mechanics/closure.hpp"
 #include "rbdyn/mechanics/complementarity.hpp"
 #include "rbdyn/mechanics/contact_state.hpp"
+#include "rbdyn/mechanics/friction_cones.hpp"
 #include "rbdyn/mechanics/touched.hpp"
 #include "rbdyn/mechanics/tree_model.hpp"
 

@@ -1,0 +1,183 @@
+"""Flat impacts of what slides on more feet than it needs: impulses are one choice of many, and where the motion depends
+on which, a run says so. Against impulses that satisfy the same laws found by SciPy from other beginnings."""
+
+import math
+
+import numpy as np
+import pytest
+import rbdyn as rb
+from scipy.optimize import least_squares
+
+G, DROP, DOWN = 9.81, 0.1, -2.0
+WHY = "the impulses of contacts that slide are not unique, and the motion depends on them"
+
+
+class Plate:
+    """A block on feet, dropped flat while it slides and turns about the vertical."""
+
+    def __init__(self, feet, height, e, mu, slip, spin, com=(0.0, 0.0)):
+        self.feet = np.c_[feet, np.full(len(feet), -height)]
+        self.e, self.mu, self.spin, self.com = e, mu, spin, np.array([*com, 0.0])
+        self.velocity = np.array([*slip, DOWN])
+        self.inertia = np.array([0.4, 0.3, 0.6])
+
+    def scene(self, turn=0.0, mirrored=False, hinge=False):
+        c, s = math.cos(turn), math.sin(turn)
+        frame = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1.0]]) @ np.diag([-1.0 if mirrored else 1.0, 1, 1])
+        scene = rb.Scene(gravity=[0, 0, -G])
+        inertia = frame @ np.diag(self.inertia) @ frame.T
+        body = rb.RigidBody(1.0, 0.5 * (inertia + inertia.T), com=frame @ self.com)
+        # of its origin, that the centre of mass has its velocity
+        velocity = self.velocity - np.cross([0, 0, self.spin], self.com)
+        block = scene.add(
+            body,
+            position=[0, 0, DROP - self.feet[0][2]],
+            velocity=frame @ velocity,
+            angular_velocity_world=[0, 0, -self.spin if mirrored else self.spin],
+        )
+        for foot in self.feet:
+            scene.contact(
+                block.point(frame @ foot), rb.Plane([0, 0, 1]), friction=rb.Coulomb(self.mu), restitution=self.e
+            )
+        if hinge:
+            scene.add(
+                rb.RigidBody(1.0, [1, 1, 1], com=[0, 0, -1]),
+                rb.Revolute([0, 1, 0], at=[5, 5, 5], friction=rb.Coulomb(0.1), pin_radius=0.1),
+            )
+        return scene, block, frame
+
+    def after(self, **options):
+        """Velocity of the centre of mass and spin just after the impact, in axes that turn with the scene; or None."""
+        scene, block, frame = self.scene(**options)
+        time = (DOWN + math.sqrt(DOWN**2 + 2 * G * DROP)) / G
+        try:
+            run = rb.simulate(scene, until=time + 1e-3, error=1e-10)
+        except rb.IntegrationError as error:
+            assert WHY in str(error) and error.run.status == "inconsistent"
+            assert error.run.end == pytest.approx(time, rel=1e-12)
+            return None
+        omega = run[block].angular_velocity_world(run.end)
+        velocity = run[block].velocity(run.end) + np.cross(
+            omega, run[block].rotation_matrix(run.end) @ frame @ self.com
+        )
+        spin = -omega[2] if options.get("mirrored") else omega[2]
+        return np.array([*(frame.T @ velocity)[:2], spin])
+
+    def choices(self, generator, count=24):
+        """Velocities after it, of impulses that satisfy the laws, all feet sliding."""
+        n, arms = len(self.feet), self.feet - self.com
+        came = -math.sqrt(DOWN**2 + 2 * G * DROP)
+        total = -(1 + self.e) * came
+        # in the axes of the block, which has turned until then
+        turned = self.spin * (DOWN - came) / G
+        axes = np.array([[math.cos(turned), math.sin(turned)], [-math.sin(turned), math.cos(turned)]])
+        before = axes @ self.velocity[:2]
+
+        def laws(y):
+            normal, (vx, vy, w) = y[:n], y[n:]
+            u = np.c_[vx - w * arms[:, 1], vy + w * arms[:, 0]]
+            push = np.c_[-self.mu * normal[:, None] * u / np.hypot(*u.T)[:, None], normal]
+            change, turn = push.sum(0), np.cross(arms, push).sum(0) / self.inertia
+            asked = [vx - before[0], vy - before[1], total, 0.0, 0.0, w - self.spin]
+            return np.r_[change, turn] - asked
+
+        found = []
+        for _ in range(count):
+            begin = np.r_[generator.dirichlet(np.ones(n)) * total, 0.7 * before, 0.7 * self.spin]
+            low = np.r_[np.zeros(n), -np.full(3, np.inf)]
+            begin[:n] = np.maximum(begin[:n], 1e-3)
+            answer = least_squares(laws, begin, bounds=(low, np.inf), xtol=1e-15, ftol=1e-15, gtol=1e-15)
+            y = answer.x
+            slow = np.hypot(y[n] - y[n + 2] * arms[:, 1], y[n + 1] + y[n + 2] * arms[:, 0]).min()
+            if np.abs(answer.fun).max() < 1e-11 and slow > 1e-6:
+                found.append([*(axes.T @ y[n : n + 2]), y[n + 2]])
+        return np.array(found).reshape(-1, 3)
+
+
+def corners(a, b):
+    return np.array([[p * a, q * b] for p in (-1, 1) for q in (-1, 1)])
+
+
+def ring(n, generator):
+    angles = generator.uniform(0, 2 * np.pi) + np.arange(n) * 2 * np.pi / n
+    return np.c_[np.cos(angles), np.sin(angles)] * generator.uniform(0.4, 1)
+
+
+def random_plate(seed, n):
+    draw = np.random.default_rng(seed)
+    feet = corners(*draw.uniform(0.3, 1, 2)) if n == 4 else ring(n, draw)
+    return Plate(
+        feet,
+        draw.uniform(0.02, 0.25),
+        float(draw.choice([0.5, 0.8, 1.0])),
+        draw.uniform(0.05, 0.4),
+        draw.normal(size=2) * 1.5,
+        2 * draw.normal(),
+    )
+
+
+def same_in_all_axes(plate, told):
+    for options in (
+        {"turn": 0.7},
+        {"turn": 1.2},
+        {"turn": math.pi / 2},
+        {"mirrored": True},
+        {"mirrored": True, "turn": 0.3},
+    ):
+        other = plate.after(**options)
+        assert (other is None) == (told is None), options
+        if told is not None:
+            np.testing.assert_allclose(other, told, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("n", [4, 5, 6])
+def test_impulses_that_would_change_the_motion_end_a_run_in_all_axes(n):
+    ended = went_on = 0
+    for seed in range(6):
+        plate = random_plate(seed, n)
+        told = plate.after()
+        same_in_all_axes(plate, told)
+        choices = plate.choices(np.random.default_rng(seed))
+        if told is None:
+            ended += 1
+            # two motions that satisfy the laws
+            assert np.ptp(choices, axis=0).max() > 1e-9, seed
+        else:
+            went_on += 1
+            # all that slide move alike; where impulses that stop it satisfy the laws as well it stops
+            if len(choices) and np.abs(told).max() > 1e-12:
+                np.testing.assert_allclose(choices, np.broadcast_to(told, choices.shape), rtol=0, atol=1e-8)
+    assert ended >= 3
+
+
+def test_three_feet_have_impulses_of_their_own():
+    for seed in range(6):
+        plate = random_plate(seed, 3)
+        told = plate.after()
+        assert told is not None
+        same_in_all_axes(plate, told)
+        for one in plate.choices(np.random.default_rng(seed), 4):
+            np.testing.assert_allclose(one, told, rtol=0, atol=1e-8)
+
+
+@pytest.mark.parametrize("n", [4, 5, 6])
+def test_what_slides_without_a_spin_or_spins_on_its_place_goes_on(n):
+    for seed in range(3):
+        plate = random_plate(seed, n)
+        plate.spin = 0.0
+        told = plate.after()
+        assert told is not None, seed
+        same_in_all_axes(plate, told)
+    # feet at one distance from the axis
+    plate = random_plate(seed, n)
+    plate.velocity[:2], plate.spin = 0.0, 4.0
+    told = plate.after()
+    assert told is not None and 0 < told[2] < 4.0
+    same_in_all_axes(plate, told)
+
+
+def test_friction_in_joints_elsewhere_makes_no_difference():
+    plate = Plate(corners(0.7, 1.0), 0.175, 0.8, 0.3, (1.4, 0.0), -0.7)
+    assert plate.after(hinge=True) is None
+    plate.spin = 0.0
+    np.testing.assert_allclose(plate.after(hinge=True), plate.after(), rtol=0, atol=1e-12)
