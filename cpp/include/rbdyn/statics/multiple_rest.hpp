@@ -5,7 +5,8 @@
 // is left of the forces and by what doubles make of their terms. If one is not, the force g(s) that its direction
 // leaves (reduced_force.hpp) is asked: the zero is of order m at the root of the derivative of order m - 1, if all
 // powers before are nothing there, to 32 digits; the highest such m. It is decided if from there g has the sign of that
-// power on both sides as far as where it is more than what doubles make of its terms.
+// power on both sides as far as where it is more than what doubles make of its terms; or if m > 1 and it has not, if
+// that is so of the highest power before which all are nothing in doubles.
 #pragma once
 
 #include <optional>

@@ -55,9 +55,10 @@ RBDYN_INLINE std::vector<bool> open_modes(TreeForces& forces, const PinnedRest& 
     }
     // as are those of the place itself, where it was moved last
     constexpr double alike = 0.25;
-    for (const double sign : {1.0, -1.0}) {
-        for (double& x : step) x *= sign;
-        const TreeForces::Wide there = forces.stepped(rest.place, step);
+    for (const double part : {0.0, 1.0, -1.0}) {
+        std::vector<double> way = step;
+        for (double& x : way) x *= part;
+        const TreeForces::Wide there = forces.stepped(rest.place, way);
         if (there.empty()) {
             open_softest();
             break;
