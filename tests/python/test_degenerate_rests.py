@@ -229,3 +229,53 @@ def test_a_torsion_balance_in_a_stiff_holder_is_found(fibre):
     (state,) = rb.equilibria(scene)
     assert state.stable and state.decided
     assert state.coordinates == pytest.approx([-0.1 * 9.81 / 1e9, 0.2], rel=1e-14)
+
+
+def turned_valley(floor, power, seed, unit=1.0):
+    """(x - 1.5 y^2)^2 + floor y^power in axes turned and moved, in units of a length, and where its rest is."""
+    random = np.random.default_rng(seed)
+    angle, place = random.normal(), random.normal(size=2) * unit
+    cosine, sine = math.cos(angle), math.sin(angle)
+
+    def potential(r):
+        x, y = (r[0] - place[0]) / unit, (r[1] - place[1]) / unit
+        x, y = cosine * x + sine * y, cosine * y - sine * x
+        return (x - 1.5 * y**2) ** 2 + floor * y**power + 0.5 * (r[2] / unit) ** 2
+
+    scene = rb.Scene()
+    scene.apply(rb.Potential(lambda r: -potential(r)), scene.add(rb.Particle(1.0)))
+    return scene, place
+
+
+@pytest.mark.parametrize("beside", [0.0, 1e-9, 1e-6, 1e-3, 1e-2])
+@pytest.mark.parametrize("floor", [-1.0, -0.05, 0.05])
+def test_what_a_valley_does_does_not_depend_on_where_its_rest_is_searched_from(floor, beside):
+    for seed in range(4):
+        scene, place = turned_valley(floor, 4, seed)
+        (state,) = rb.equilibria(scene, near=[*(place + beside), 0.0])
+        assert state.coordinates[:2] == pytest.approx(place, rel=1e-15)
+        assert state.decided and state.stable == (floor > 0.0)
+
+
+@pytest.mark.parametrize("unit", [1e-3, 1e5])
+@pytest.mark.parametrize(("floor", "power"), [(1.0, 6), (-1.0, 6), (1.0, 5)])
+def test_valleys_of_any_size_are_the_same(floor, power, unit):
+    for seed in range(4):
+        scene, place = turned_valley(floor, power, seed, unit)
+        (state,) = rb.equilibria(scene, near=[*(place + 1e-3 * unit), 0.0])
+        assert state.coordinates[:2] == pytest.approx(place, rel=1e-15)
+        assert state.decided and state.stable == (floor > 0.0 and power % 2 == 0)
+
+
+@pytest.mark.parametrize("beside", [0.0, 1e-9, 1e-6, 1e-4, 1e-2])
+@pytest.mark.parametrize("fourth", [-4.0, 4.0])
+def test_an_arm_on_a_cart_at_its_critical_load_is_at_rest_upright(fourth, beside):
+    # m g L (cos q + q^2/2) + a q^4/4 with m g L = 9.8125
+    scene = rb.Scene(gravity=[0, 0, -9.8125])
+    cart = scene.add(rb.RigidBody(1.0, INERTIA), rb.Prismatic([1, 0, 0]))
+    arm = scene.add(rb.RigidBody(1.0, [0.01] * 3, com=[0, 0, 1.0]), rb.Revolute([0, 1, 0]), parent=cart)
+    scene.apply(rb.Potential(lambda r: -15.0 * r[0] ** 2), arm, at=[0, 0, 1.0])
+    scene.apply(rb.JointTorque(lambda t, q, w: -9.8125 * q - fourth * q**3), arm)
+    (state,) = rb.equilibria(scene, near=[beside, 1.1 * beside])
+    assert np.abs(state.coordinates).max() < 1e-15
+    assert state.decided and state.stable == (fourth > 0.0)

@@ -2,12 +2,14 @@
 
 Potentials with a minimum, a maximum or an inflection of known order at a known place, of any scale; forces with known
 zeros of known orders, their signs in exact fractions; rods on torsion springs as near to their critical stiffness as
-1e-10, and under torques that go up and down up to sixty times a turn; valleys of two freedoms, bent, at whose floor the
-potential goes as a power. Prints what is missed, false, or judged wrongly; exits with their number.
+1e-10, and under torques that go up and down up to sixty times a turn; valleys of two freedoms and more, bent, turned and
+moved, at whose floor the potential goes as a power, met from beside; an arm at its critical load. Prints what is
+missed, false, or judged wrongly; exits with their number.
 """
 
 import math
 import sys
+from collections import Counter
 from fractions import Fraction
 
 import numpy as np
@@ -130,9 +132,112 @@ def valley(random):
     return None
 
 
+def bent_valley(random):
+    """V = sum k_i (x_i - b_i y^2 - c_i y^3)^2 + e y^m in axes turned and moved, in units of 1e-5 to 1e5 m.
+
+    It has one rest, a minimum if m is even and all k_i and e are positive. `near` is beside it by 1e-12 to 0.1 units,
+    or is it. Of a particle, of slides on slides, or of a particle that another one follows on a spring.
+    """
+    kind = random.choice(["particle", "slides", "followed"])
+    count = int(random.integers(2, 4))
+    power = int(random.choice([2, 3, 4, 4, 5, 6, 6, 8]))
+    unit = 10.0 ** random.choice([0.0, 0.0, random.uniform(-5, 5)])
+    floor = random.choice([-1.0, 1.0, 1.0, 0.0 if power == 4 else 1.0]) * 10.0 ** random.uniform(-3, 1)
+    stiff = 10.0 ** random.uniform(-1, 2, count - 1) * random.choice([1.0] * 9 + [-1.0], count - 1)
+    bend = random.uniform(-2, 2, count - 1)
+    third = random.choice([0.0, 1.0]) * random.uniform(-2, 2, count - 1)
+    axes = np.linalg.qr(random.normal(size=(count, count)))[0] if random.random() < 0.8 else np.eye(count)
+    place = random.normal(size=count) * unit * random.choice([0.0, 1.0, 1.0])
+    beside = random.choice([0.0, 1.0, 1.0, 1.0]) * 10.0 ** random.uniform(-12, -1)
+    near = place + beside * unit * random.uniform(-1, 1, count)
+
+    def potential(r):
+        turned = [sum(axes[i, j] * (r[j] - place[j]) for j in range(count)) / unit for i in range(count)]
+        y = turned[-1]
+        sides = zip(stiff, bend, third, turned[:-1], strict=True)
+        return floor * y**power + sum(k * (x - b * y**2 - c * y**3) ** 2 for k, b, c, x in sides)
+
+    scene = rb.Scene()
+    if kind == "slides":
+        body = scene.add(rb.RigidBody(1.0, [0.1] * 3), rb.Prismatic([1, 0, 0]))
+        for axis in np.eye(3)[1:count]:
+            body = scene.add(rb.RigidBody(0.5, [0.1] * 3), rb.Prismatic(axis), parent=body)
+        scene.apply(rb.Potential(lambda r: -potential(r)), body)
+    else:
+        body = scene.add(rb.Particle(1.0))
+        third_axis = 0.0 if count == 3 else 0.5
+        scene.apply(rb.Potential(lambda r: -(potential(r) + third_axis * r[2] ** 2 / unit**2)), body)
+        near = [*near, 0.0][:3]
+        if kind == "followed":
+            other = scene.add(rb.Particle(0.5))
+            scene.connect(rb.Spring(3.0 / unit**2), body, other)
+            near = [*near, *near]
+    stable = bool(power % 2 == 0 and floor > 0.0 and stiff.min() > 0.0)
+    text = (
+        f"{kind} {floor} y^{power}, {stiff} (x - {bend} y^2 - {third} y^3)^2, unit {unit}, axes {axes.tolist()}, "
+        f"about {place.tolist()} from {near}"
+    )
+    found = rb.equilibria(scene, near=near)
+    tally[f"{kind} y^{power}"] += 1
+    if not found:
+        missed[f"{kind} y^{power}"] += 1
+        return None
+    (state,) = found
+    if not state.decided:
+        undecided[f"{kind} y^{power}"] += 1
+        return None
+    if state.stable != stable:
+        return f"{text}: stable is {state.stable}, and certain"
+    off = np.abs(state.coordinates[:count] - place).max() / (unit + np.abs(place).max())
+    if floor != 0.0 and off > 1e-12:
+        return f"{text}: decided {off} units from the rest"
+    return None
+
+
+def held_column(random):
+    """An arm upright on a cart, its tip held to a line, its joint's spring at the critical load and a q^4/4 beside.
+
+    U of the arm alone is m g L (cos q + q^2/2) + a q^4/4: it goes as (m g L/6 + a) q^4/4. The constants are rounded, so
+    that the second derivative is zero within rounding only.
+    """
+    mass, length = random.uniform(0.5, 2.0, 2) if random.random() < 0.5 else 2.0 ** random.integers(-2, 3, 2)
+    load = float(mass) * 9.8125 * float(length)
+    fourth = random.choice([-1.0, 1.0]) * load * 10.0 ** random.uniform(-2, 1) - load / 6.0
+    scene = rb.Scene(gravity=[0, 0, -9.8125])
+    cart = scene.add(rb.RigidBody(1.0, [0.1] * 3), rb.Prismatic([1, 0, 0]))
+    arm = rb.RigidBody(float(mass), [0.01] * 3, com=[0, 0, float(length)])
+    arm = scene.add(arm, rb.Revolute([0, 1, 0]), parent=cart)
+    stiff = load * 10.0 ** random.uniform(-1, 3)
+    scene.apply(rb.Potential(lambda r: -stiff * r[0] ** 2), arm, at=[0, 0, float(length)])
+    scene.apply(rb.JointTorque(lambda t, q, w: -load * q - fourth * q**3), arm)
+    beside = random.choice([0.0, 1.0, 1.0]) * 10.0 ** random.uniform(-12, -2)
+    near = beside * random.uniform(-1, 1, 2)
+    stable = bool(load / 6.0 + fourth > 0.0)
+    text = f"arm of {mass} kg, {length} m, {fourth} q^4/4, tip held by {stiff} N/m, from {near}"
+    tally["column"] += 1
+    found = rb.equilibria(scene, near=near)
+    if not found:
+        missed["column"] += 1
+        return None
+    (state,) = found
+    if not state.decided:
+        undecided["column"] += 1
+        return None
+    if np.abs(state.coordinates).max() > 1e-3:
+        return None  # what is rounded may have buckled
+    if state.stable != stable:
+        return f"{text}: stable is {state.stable} at {state.coordinates}, and certain"
+    if np.abs(state.coordinates).max() > 1e-12 and math.log2(mass) % 1 == 0 == math.log2(length) % 1:
+        return f"{text}: decided at {state.coordinates}"
+    return None
+
+
+tally, undecided, missed = Counter(), Counter(), Counter()
+
+
 def wrong(kind, random):
-    if kind is valley:
-        return valley(random)
+    if kind in (valley, bent_valley, held_column):
+        return kind(random)
     text, scene, expected, slack = kind(random)
     found = rb.equilibria(scene)
     if len(found) != len(expected):
@@ -177,7 +282,7 @@ def ripples(random):
     return f"rod under {size} sin({wave} q + {phase}), spring {stiffness}", scene, expected, 1e-10
 
 
-KINDS = [one_power, wells, marginal, upright_rod, valley, ripples]
+KINDS = [one_power, wells, marginal, upright_rod, valley, bent_valley, bent_valley, held_column, ripples]
 
 
 def main(scenes=2000, seed=1):
@@ -189,6 +294,8 @@ def main(scenes=2000, seed=1):
         if fault is not None:
             faults[kind.__name__] += 1
             print(kind.__name__, fault)
+    for name in sorted(tally):
+        print(f"{name}: {tally[name]}, not decided {undecided[name]}, none found {missed[name]}")
     print(f"{scenes} scenes, seed {seed}; wrong: {faults}")
     return sum(faults.values())
 

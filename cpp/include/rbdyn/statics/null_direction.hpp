@@ -5,7 +5,8 @@
 // the slope of U on the way. It is taken in 32 digits, and goes as s^m from the smallest steps on at which it is more
 // than what doubles make of its terms: stable if m is odd and g against s, as for a path (path_zero.hpp). Other flat
 // directions stay as they are: what goes down on one way is not stable, whatever others do; what goes up on all that
-// are tried need not be.
+// are tried need not be. Along one alone that is asked with more care (multiple_rest.hpp), and this of whether it is
+// indifferent.
 #pragma once
 
 #include <vector>
@@ -21,7 +22,7 @@ enum class AlongNull { indifferent, stable, unstable, not_decided };
 /// `direction`: in terms of the modes.
 AlongNull along_null(TreeForces& forces, const PinnedRest& rest, const std::vector<double>& direction);
 
-/// In all flat modes together.
-AlongNull along_flat(TreeForces& forces, const PinnedRest& rest);
+/// In all modes together that are open.
+AlongNull along_flat(TreeForces& forces, const PinnedRest& rest, const std::vector<bool>& open);
 
 }  // namespace rbdyn::inline RBDYN_FORM::statics

@@ -100,11 +100,11 @@ RBDYN_INLINE AlongNull along_null(TreeForces& forces, const PinnedRest& rest, co
     return is_felt ? AlongNull::not_decided : AlongNull::indifferent;
 }
 
-RBDYN_INLINE AlongNull along_flat(TreeForces& forces, const PinnedRest& rest) {
-    const std::size_t n = rest.flat.size();
+RBDYN_INLINE AlongNull along_flat(TreeForces& forces, const PinnedRest& rest, const std::vector<bool>& open) {
+    const std::size_t n = open.size();
     std::vector<std::size_t> flat;
     for (std::size_t k = 0; k < n; ++k)
-        if (rest.flat[k]) flat.push_back(k);
+        if (open[k]) flat.push_back(k);
     std::vector<double> direction(n);
     // between every two, of the first few
     constexpr std::size_t most = 6;

@@ -24,6 +24,9 @@ struct PinnedRest {
     std::vector<bool> flat;
 };
 
+/// Steps to a zero of all coordinates leave some of them beside nothing: those that may as well be zero are.
+TreeForces::Wide without_dust(TreeForces& forces, const SmallModes& modes, TreeForces::Wide place);
+
 /// From a place near the zero. Throws InvalidInput where the forces have no potential.
 PinnedRest pinned(TreeForces& forces, const std::vector<double>& q);
 

@@ -45,6 +45,31 @@ inline std::optional<double> order(double left) {
 
 }  // namespace pinning
 
+RBDYN_INLINE TreeForces::Wide without_dust(TreeForces& forces, const SmallModes& modes, TreeForces::Wide place) {
+    const int n = forces.freedoms();
+    const auto positions = forces.nearest(place).size();
+    constexpr double beside = 1e-9;
+    const auto misfit = [&](const TreeForces::Wide& at) {
+        const TreeForces::Wide f = forces.force_at(at);
+        double most = 0.0;
+        for (int k = 0; k < n; ++k) {
+            double force = 0.0;
+            for (int i = 0; i < n; ++i) force += modes.shapes(i, k) * f[static_cast<std::size_t>(i)].hi;
+            most = std::max(most, std::abs(force));
+        }
+        return most;
+    };
+    const auto is_beside = [&](std::size_t i) { return place[i].hi != 0.0 && std::abs(place[i].hi) <= beside; };
+    // all of them, then one after the other
+    for (std::size_t from = 0; from <= positions; ++from) {
+        TreeForces::Wide other = place;
+        for (std::size_t i = 0; i < positions; ++i)
+            if ((from == 0 || i == from - 1) && is_beside(i)) other[i] = 0.0;
+        if (other != place && misfit(other) <= misfit(place)) place = std::move(other);
+    }
+    return place;
+}
+
 RBDYN_INLINE PinnedRest pinned(TreeForces& forces, const std::vector<double>& q) {
     const auto at = [](int i) { return static_cast<std::size_t>(i); };
     const int n = forces.freedoms();
@@ -158,28 +183,7 @@ RBDYN_INLINE PinnedRest pinned(TreeForces& forces, const std::vector<double>& q)
     }
     for (int k = 0; k < n && !rest.flat.empty(); ++k)
         rest.flat[at(k)] = std::abs(rest.modes.squares[at(k)]) <= std::max(rest.modes.rounding[at(k)], 1e-3 * softened);
-    // steps to a zero of all coordinates leave some of them beside nothing
-    constexpr double beside = 1e-9;
-    const auto misfit = [&](const TreeForces::Wide& place) {
-        const TreeForces::Wide f = forces.force_at(place);
-        double most = 0.0;
-        for (int k = 0; k < n; ++k) {
-            double force = 0.0;
-            for (int i = 0; i < n; ++i) force += rest.modes.shapes(i, k) * f[at(i)].hi;
-            most = std::max(most, std::abs(force));
-        }
-        return most;
-    };
-    const auto is_beside = [&](std::size_t i) {
-        return rest.place[i].hi != 0.0 && std::abs(rest.place[i].hi) <= beside;
-    };
-    // all of them, then one after the other
-    for (std::size_t from = 0; from <= q.size() && rest.is_found; ++from) {
-        TreeForces::Wide other = rest.place;
-        for (std::size_t i = 0; i < q.size(); ++i)
-            if ((from == 0 || i == from - 1) && is_beside(i)) other[i] = 0.0;
-        if (other != rest.place && misfit(other) <= misfit(rest.place)) rest.place = std::move(other);
-    }
+    if (rest.is_found) rest.place = without_dust(forces, rest.modes, std::move(rest.place));
     return rest;
 }
 

@@ -4,9 +4,9 @@
 // Levenberg and Marquardt (Nocedal and Wright, "Numerical Optimization", 2nd ed., sec. 10.3) in the metric M of the
 // kinetic energy; a freedom that no force depends on is left as it is. That finds states of rest of any kind; a search
 // downhill comes before where a stable one is wanted. Where the forces have a potential the zero is then pinned down
-// in 32 digits (pinned_rest.hpp): stable if no mode's square is negative and none is flat, and what flat ones do is
-// looked at further (null_direction.hpp). Else stable if the symmetric part of the stiffness -dQ/dq is positive
-// definite.
+// in 32 digits (pinned_rest.hpp): stable if no mode's square is negative and none is open, and what open ones do is
+// looked at further (multiple_rest.hpp, null_direction.hpp). Else stable if the symmetric part of the stiffness -dQ/dq
+// is positive definite.
 //
 // A body that may be turned about an axis so that all stay at rest, a heavy one on a ball joint about the vertical, is
 // in a family of such states: that turn is found as a null direction of the stiffness, proved by turning the body, and

@@ -19,6 +19,8 @@
 #include "rbdyn/rotation/quaternion.hpp"
 #include "rbdyn/statics/equilibrium.hpp"
 #include "rbdyn/statics/forces.hpp"
+#include "rbdyn/statics/multiple_rest.hpp"
+#include "rbdyn/statics/normal_modes.hpp"
 #include "rbdyn/statics/null_direction.hpp"
 #include "rbdyn/statics/pinned_rest.hpp"
 #include "rbdyn/statics/tree_forces.hpp"
@@ -128,11 +130,55 @@ inline std::optional<PinnedRest> pinned_if_even(TreeForces& forces, const std::v
                                                 const Stiffness& stiffness) {
     if (forces.freedoms() > most_wide || !(stiffness.twist <= stiffness.rounding)) return std::nullopt;
     try {
-        return pinned(forces, q);
+        PinnedRest rest = pinned(forces, q);
+        // leaps that lead nowhere may end, too
+        double size = forces.extent();
+        for (const double x : q) size = std::max(size, std::abs(x));
+        constexpr double near = 4.0;
+        if (rest.is_found && forces.distance(forces.nearest(rest.place), q) <= near * size) return rest;
+        rest.is_found = false;
+        rest.place = forces.wide(q);
+        rest.flat.assign(static_cast<std::size_t>(forces.freedoms()), false);
+        if (rest.place.empty()) return rest;
+        forces.look_at(rest.place);
+        rest.modes = small_modes(small_motion(forces));
+        return rest;
     } catch (const InvalidInput&) {
         // in 32 digits they have none, or the masses are singular
         return std::nullopt;
     }
+}
+
+/// What the one mode does that is open; the place is that of the zero along it.
+inline AlongNull along_open(TreeForces& forces, PinnedRest& rest, std::vector<bool>& open) {
+    const auto mode = static_cast<std::size_t>(std::ranges::find(open, true) - open.begin());
+    auto zero = multiple_rest(forces, rest, static_cast<int>(mode));
+    if (!zero) {
+        if (!rest.is_found || !rest.flat[mode]) return AlongNull::not_decided;
+        std::vector<double> direction(open.size());
+        direction[mode] = 1.0;
+        const AlongNull along = along_null(forces, rest, direction);
+        return along == AlongNull::indifferent ? along : AlongNull::not_decided;
+    }
+    rest.place = without_dust(forces, rest.modes, std::move(zero->place));
+    rest.is_found = true;
+    forces.look_at(rest.place);
+    rest.modes = small_modes(small_motion(forces));
+    std::vector<double>& squares = rest.modes.squares;
+    // the softest comes where it was
+    const auto softest = std::ranges::min_element(squares, {}, [](double x) { return std::abs(x); });
+    const auto now = static_cast<std::size_t>(softest - squares.begin());
+    rest.flat.assign(open.size(), false);
+    open.assign(open.size(), false);
+    open[now] = true;
+    rest.flat[now] = zero->order > 1 || std::abs(squares[now]) <= rest.modes.rounding[now];
+    AlongNull along = zero->along;
+    for (std::size_t k = 0; k < squares.size(); ++k) {
+        if (k == now || std::abs(squares[k]) > rest.modes.rounding[k]) continue;
+        open[k] = rest.flat[k] = true;
+        along = AlongNull::not_decided;
+    }
+    return along;
 }
 
 }  // namespace searching
@@ -163,11 +209,17 @@ inline bool contracts(TreeForces& forces, const std::vector<double>& q) {
 
 /// The zero of the forces near q by the modes in 32 digits, in place; whether there is one, beside the largest forces
 /// on the way.
-inline bool approach(TreeForces& forces, std::vector<double>& q, const std::vector<double>& most) {
+inline bool approach(TreeForces& forces, std::vector<double>& q, const std::vector<double>& start,
+                     const std::vector<double>& most) {
     const Forces::State s = forces.at_rest(q);
     if (!s.is_finite()) return false;
     const auto rest = searching::pinned_if_even(forces, q, Stiffness(s));
     if (!rest || !rest->is_found) return false;
+    // far out in a valley forces vanish beside what they are sums of
+    double size = forces.extent();
+    for (const double x : start) size = std::max(size, std::abs(x));
+    constexpr double far = 1e6;
+    if (!(forces.distance(forces.nearest(rest->place), start) <= far * size)) return false;
     const TreeForces::Wide f = forces.force_at(rest->place);
     const std::vector<double> sizes = forces.force_sizes(rest->place);
     for (std::size_t i = 0; i < sizes.size(); ++i)
@@ -235,7 +287,7 @@ RBDYN_INLINE bool relax(TreeForces& forces, std::vector<double>& q) {
         found = damping == 0.0 && taken < 1e-20 * gone && faded;
     }
     // squares of slow modes are lost beside those of stiff ones, and of flat ones beside any
-    if (!found) return approach(forces, q, most);
+    if (!found) return approach(forces, q, start, most);
     for (int iteration = 0; iteration < 4; ++iteration) {
         LinearSolution step = solve(now.jacobian, now.force);
         for (double& x : step.x) x = -x;
@@ -302,23 +354,28 @@ RBDYN_INLINE Judgement judged(TreeForces& forces, std::vector<double> q, const s
     }
     bool is_decided = false;
     if (auto rest = searching::pinned_if_even(forces, q, stiffness)) {
-        if (rest->is_found) q = forces.nearest(rest->place);
-        const std::vector<double>& squares = rest->modes.squares;
-        const auto flat = static_cast<std::size_t>(std::ranges::count(rest->flat, true));
-        bool falls = false;
-        for (std::size_t k = 0; k < squares.size(); ++k) {
-            if (rest->flat[k]) continue;
-            falls = falls || squares[k] < 0.0;
-            if (squares[k] > 0.0) e.periods.push_back(2.0 * std::numbers::pi / std::sqrt(squares[k]));
-        }
-        std::sort(e.periods.rbegin(), e.periods.rend());
+        const bool is_placed = !rest->place.empty() && rest->modes.squares.size() == s.force.size();
+        std::vector<bool> open = is_placed ? open_modes(forces, *rest) : std::vector<bool>(s.force.size(), true);
+        const auto untold = static_cast<std::size_t>(std::ranges::count(open, true));
         // what the second derivatives do not say the forces nearby may, where no turn is to be left aside
         AlongNull along = AlongNull::not_decided;
-        if (rest->is_found && !falls && flat > 0 && e.axes.empty()) along = along_flat(forces, *rest);
-        const bool is_told = falls || flat == e.axes.size();
-        e.stable = rest->is_found && !falls && (is_told ? flat < squares.size() : along == AlongNull::stable);
+        if (untold == 1 && is_placed && e.axes.empty()) {
+            along = searching::along_open(forces, *rest, open);
+        } else if (untold > 0 && rest->is_found && e.axes.empty()) {
+            along = along_flat(forces, *rest, open);
+        }
+        if (rest->is_found) q = forces.nearest(rest->place);
+        const std::vector<double>& squares = rest->modes.squares;
+        bool falls = false;
+        for (std::size_t k = 0; k < squares.size(); ++k) {
+            falls = falls || (rest->is_found && !open[k] && squares[k] < 0.0);
+            if (!rest->flat[k] && squares[k] > 0.0) e.periods.push_back(2.0 * std::numbers::pi / std::sqrt(squares[k]));
+        }
+        std::sort(e.periods.rbegin(), e.periods.rend());
+        const bool is_told = falls || untold == e.axes.size();
+        e.stable = rest->is_found && !falls && (is_told ? untold < squares.size() : along == AlongNull::stable);
         e.decided = rest->is_found && (is_told || along != AlongNull::not_decided);
-        is_decided = e.decided && flat < squares.size() && along != AlongNull::indifferent;
+        is_decided = e.decided && untold < squares.size() && along != AlongNull::indifferent;
     } else {
         // the symmetric part, in doubles
         const std::vector<double> squares = symmetric_eigenvalues(stiffness.symmetric);
