@@ -169,8 +169,8 @@ def test_a_smooth_column_of_balls_collapses_as_the_laws_of_its_impacts_say(first
 
 @pytest.mark.parametrize("seed", [9, 10, 14, 35, 46])
 def test_bounces_of_three_balls_end_when_they_do(seed):
-    """Balls that are dropped one above the other strike each other by turns some hundred times, ever sooner. One that has
-    just left its floor is low yet when the next two strike, and is not struck with them."""
+    """Balls that are dropped one above the other strike each other by turns some hundred times, ever sooner. One that
+    has just left its floor is low yet when the next two strike, and is not struck with them."""
     getcontext().prec = 60
     draw = np.random.default_rng(seed)
     e, a = float(draw.uniform(0.3, 0.95)), 0.125

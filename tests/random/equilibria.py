@@ -2,8 +2,8 @@
 
 Potentials with a minimum, a maximum or an inflection of known order at a known place, of any scale; forces with known
 zeros of known orders, their signs in exact fractions; rods on torsion springs as near to their critical stiffness as
-1e-10, and under torques that go up and down up to sixty times a turn; valleys of two freedoms and more, bent, turned and
-moved, at whose floor the potential goes as a power, met from beside; an arm at its critical load. Prints what is
+1e-10, and under torques that go up and down up to sixty times a turn; valleys of two freedoms and more, bent, turned
+and moved, at whose floor the potential goes as a power, met from beside; an arm at its critical load. Prints what is
 missed, false, or judged wrongly; exits with their number.
 """
 
