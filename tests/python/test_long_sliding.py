@@ -114,14 +114,14 @@ def test_a_rough_table_slides_down_a_slope_in_space(up, legs):
     run = rb.simulate(scene, until, rtol=1e-10)
     assert run.status == "reached end"
     acceleration = G * (np.sin(slope) - mu * np.cos(slope))
-    start = run[body].attitude(0.0)
+    start = run[body].rotation_matrix(0.0)
     for t in until * np.array([0.1, 0.5, 1.0]):
         way = acceleration * t**2 / 2
         rounding = 1e-12 + 8 * np.finfo(float).eps * way
         off = run[body].position(t) - run[body].position(0.0)
         assert abs(off @ along - way) < 1e-9 * way
         assert max(abs(run[c].gap(t)) for c in touch) < rounding
-        assert np.abs(run[body].attitude(t) @ start.T - np.eye(3)).max() < rounding
+        assert np.abs(run[body].rotation_matrix(t) @ start.T - np.eye(3)).max() < rounding
 
 
 def test_a_box_that_slides_on_another_one_tips_it_where_statics_says():

@@ -460,10 +460,19 @@ RBDYN_INLINE double TaylorEngine::held_at_end(double length) {
     if (!projection_) return length;
     constexpr double nothing = 0x1p-58;
     const double last_power = series::power(length, order_);
+    // what starts at rest is as large as it becomes
+    const auto size = [&](const VariableGroup& group) {
+        double largest = scales_.scale(group);
+        for (int i = group.first; i < group.first + group.count; ++i) {
+            const double* c = series_->coefficients(i);
+            largest = std::max({largest, std::abs(c[1]) * length, std::abs(c[2]) * length * length});
+        }
+        return largest;
+    };
     double widest = 0.0;
-    for (const VariableGroup& group : equations_->groups) widest = std::max(widest, scales_.scale(group));
+    for (const VariableGroup& group : equations_->groups) widest = std::max(widest, size(group));
     for (const VariableGroup& group : equations_->groups) {
-        const double scale = std::max(scales_.scale(group), widest / (length * unit_));
+        const double scale = std::max(size(group), widest / (length * unit_));
         for (int i = group.first; i < group.first + group.count; ++i)
             if (std::abs(series_->coefficients(i)[order_]) * last_power > nothing * scale) return length;
     }

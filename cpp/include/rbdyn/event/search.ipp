@@ -465,7 +465,8 @@ RBDYN_INLINE void EventSearch::seek(const Mode& mode, const std::vector<Guard>& 
         // what has just left its surface, and comes back from no higher than gaps are followed beyond doubles, began
         // there to as many digits
         if (fresh && arrival.at_zero && guard.contact >= 0 && guard.kind == EventKind::land && degree_ > 1 &&
-            q[1] * q[1] <= low_gaps * sizes[0] * std::abs(q[2]) && model_.follows_bounces(mode))
+            q[1] * q[1] <= low_gaps * sizes[0] * std::abs(q[2]) && model_.follows_bounces(mode) &&
+            model_.bounces_among_bouncing(guard.contact))
             sizes[0] = 0.0;
         if (!fresh || degree_ < 1 || !mode.equations->is_variable(guard)) return;
         // a variable that begins with zero is told by its rate, which may be zero there but for the rounding of all it

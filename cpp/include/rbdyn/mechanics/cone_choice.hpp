@@ -18,6 +18,9 @@ struct OtherForces {
 
     /// Whether rates, of the size of `fastest`, are others with it.
     bool makes_difference(const Square& a, double fastest) const;
+    /// Whether normal forces are others. Where they stay what they are friction does, or does no work, for it is
+    /// monotone, and the motion is the same.
+    bool changes_normals(const std::vector<Cone>& cones) const;
 };
 
 /// Changes of the forces found with which each contact goes on with what it does, to first order: a basis of those of

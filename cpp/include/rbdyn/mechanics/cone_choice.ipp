@@ -19,6 +19,13 @@
 
 namespace rbdyn::inline RBDYN_FORM::mechanics {
 
+RBDYN_INLINE bool OtherForces::changes_normals(const std::vector<Cone>& cones) const {
+    double most = 0.0, normal = 0.0;
+    for (const double one : change) most = std::max(most, std::abs(one));
+    for (const Cone& cone : cones) normal = std::max(normal, std::abs(change[static_cast<std::size_t>(cone.first)]));
+    return normal > 1e-9 * most;
+}
+
 RBDYN_INLINE bool OtherForces::makes_difference(const Square& a, double fastest) const {
     for (const std::vector<double>& row : a) {
         double rate = 0.0;

@@ -216,9 +216,16 @@ RBDYN_INLINE ConeForces solve_cones(const Square& a, const std::vector<double>& 
     }
     if (auto found = cones::by_trial(a, b, noise, all, result)) return *std::move(found);
     for (std::size_t i = 0; i < n; ++i) result.rate[i] = driven(i, n, 0);
-    // one alone is solved for as it is, however wide its cone; else what is symmetric and has no exact solution has
-    // none
-    const bool is_exact = all.size() == 1 && left <= 1e-15 && result.states[0] == ConeState::slides;
+    // one alone with a cone so wide that it all but has no edge is solved for as it is, if forces do not cancel each
+    // other; else what is symmetric and has no exact solution has none
+    constexpr double wide = 1e6, most_cancelled = 1e6;
+    double largest = 0.0, asked = 0.0;
+    for (std::size_t i = 0; i < n; ++i) {
+        asked = std::max(asked, std::abs(b[i]));
+        for (std::size_t j = 0; j < n; ++j) largest = std::max(largest, std::abs(a[i][j] * z[j]));
+    }
+    const bool is_exact = all.size() == 1 && all[0].mu > wide && left <= 1e-15 &&
+                          result.states[0] == ConeState::slides && largest <= most_cancelled * asked;
     result.is_solved = result.is_solved && (is_exact || (left <= 1e-9 && !is_symmetric));
     return result;
 }

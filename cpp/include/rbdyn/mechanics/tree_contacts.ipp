@@ -17,6 +17,14 @@
 
 namespace rbdyn::inline RBDYN_FORM {
 
+RBDYN_INLINE bool TreeModel::bounces_among_bouncing(int contact) const {
+    const mechanics::ContactLaw& one = conditions_->contacts()[at(contact)];
+    const auto is_joined = [&](int body) { return body >= 0 && (body == one.a.body || body == one.b.body); };
+    return std::ranges::all_of(conditions_->contacts(), [&](const mechanics::ContactLaw& c) {
+        return c.restitution > 0.0 || !(is_joined(c.a.body) || is_joined(c.b.body));
+    });
+}
+
 RBDYN_INLINE std::vector<int> TreeModel::rows_in(const Mode& mode) const {
     std::vector<int> rows = used_rows(mode);
     for (int k = 0; k < contacts(); ++k)

@@ -105,6 +105,7 @@ public:
     std::string impossible(const Mode& mode, double t, std::span<const double> x) const override;
     bool feel_each_other(int contact, int other, const Mode& mode, double t, std::span<const double> x) const override;
     bool follows_bounces(const Mode& mode) const override { return !conditions_->is_rough() || follows_together(mode); }
+    bool bounces_among_bouncing(int contact) const override;
 
 private:
     static std::size_t at(int i) { return static_cast<std::size_t>(i); }

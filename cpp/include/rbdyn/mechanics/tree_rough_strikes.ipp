@@ -75,7 +75,7 @@ RBDYN_INLINE std::vector<double> TreeModel::strike_rough(const Mode& before, dou
         return normal;
     }
     for (const auto& other : mechanics::other_forces(touched.matrix, noise, touched.cones, found))
-        if (other.makes_difference(touched.matrix, fastest)) {
+        if (other.changes_normals(touched.cones) && other.makes_difference(touched.matrix, fastest)) {
             strokes.impossible = impulses_not_unique(other.change, struck, touched.cones);
             return normal;
         }
