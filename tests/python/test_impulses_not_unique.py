@@ -1,11 +1,14 @@
 """Flat impacts of what slides on more feet than it needs: impulses are one choice of many, and where the motion depends
-on which, a run says so. Against impulses that satisfy the same laws found by SciPy from other beginnings."""
+on which, a run says so. Against impulses that satisfy the same laws found by SciPy from other beginnings, in the plane
+from every choice of what contacts do."""
 
+import itertools
 import math
 
 import numpy as np
 import pytest
 import rbdyn as rb
+from planar_scenes import gap_and_rows, random_scene
 from scipy.optimize import least_squares
 
 G, DROP, DOWN = 9.81, 0.1, -2.0
@@ -181,3 +184,65 @@ def test_friction_in_joints_elsewhere_makes_no_difference():
     assert plate.after(hinge=True) is None
     plate.spin = 0.0
     np.testing.assert_allclose(plate.after(hinge=True), plate.after(), rtol=0, atol=1e-12)
+
+
+def velocities_after(planar, q, v):
+    """All velocities that satisfy the laws of impact, from every choice of what contacts do: open, slide either way,
+    stick. Newton's restitution and Coulomb's law for the impulses, as the library states them."""
+    size = 3 * len(planar.bodies)
+    inverse = np.diag([1 / one for b in planar.bodies for one in (b.mass, b.mass, b.moment)])
+    normals, across, closed = [], [], []
+    for contact in planar.contacts:
+        gap, rows = gap_and_rows(planar, contact, q)
+        if abs(gap) > 1e-10:
+            continue
+        both = np.zeros((2, size))
+        for row, parts in zip(both, rows, strict=True):
+            for body, *numbers in parts:
+                row[3 * body : 3 * body + 3] += numbers
+        normals.append(both[0])
+        across.append(both[1])
+        closed.append(contact)
+    n = len(closed)
+    rows = np.array(normals + across)
+    w, u = rows @ inverse @ rows.T, rows @ v
+    wanted = np.array([-c.restitution * min(u[k], 0.0) for k, c in enumerate(closed)])
+    after = []
+    for does in itertools.product(("open", 1, -1, "sticks"), repeat=n):
+        a, b = np.zeros((2 * n, 2 * n)), np.zeros(2 * n)
+        for k, (one, c) in enumerate(zip(does, closed, strict=True)):
+            if one == "open":
+                a[k, k] = a[n + k, n + k] = 1.0
+                continue
+            a[k], b[k] = w[k], wanted[k] - u[k]
+            if one == "sticks":
+                a[n + k], b[n + k] = w[n + k], -u[n + k]
+            else:
+                a[n + k, n + k], a[n + k, k] = 1.0, one * c.mu
+        impulse = np.linalg.lstsq(a, b, rcond=1e-11)[0]
+        then = w @ impulse + u
+        holds = abs(a @ impulse - b).max() < 1e-10
+        for k, (one, c) in enumerate(zip(does, closed, strict=True)):
+            if one == "open":
+                holds &= then[k] >= wanted[k] - 1e-10
+            else:
+                holds &= impulse[k] >= -1e-10
+                holds &= abs(impulse[n + k]) <= c.mu * impulse[k] + 1e-10
+                holds &= one == "sticks" or one * then[n + k] >= -1e-10
+        if holds:
+            after.append(v + inverse @ rows.T @ impulse)
+    return after
+
+
+@pytest.mark.parametrize("seed", [156, 1781, 2132, 2218, 2225, 2553])
+def test_in_the_plane_other_velocities_satisfy_the_laws_too(seed):
+    planar = random_scene(seed, rough=True)
+    scene, bodies, _ = planar.scene()
+    with pytest.raises(rb.IntegrationError, match="impulses of contacts that slide are not unique") as failure:
+        rb.simulate(scene, 1.5, rtol=1e-12, max_steps=5000)
+    run = failure.value.run
+    q = [(*run[b].position(run.end)[:2], run[b].angle(run.end)) for b in bodies]
+    v = np.concatenate([[*run[b].velocity(run.end)[:2], run[b].angular_velocity_world(run.end)[2]] for b in bodies])
+    after = velocities_after(planar, q, v)
+    apart = max(abs(one - other).max() for one in after for other in after)
+    assert len(after) > 1 and apart > 1e-4 * abs(v).max()
