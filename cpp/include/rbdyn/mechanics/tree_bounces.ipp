@@ -260,7 +260,8 @@ RBDYN_INLINE std::vector<int> TreeModel::accumulating(const Mode& after, double 
         if (!is_shortest) return {};
         // bounces get shorter by the coefficient of restitution, or as this impact has made speeds
         const bool is_known = e > 0.0 && e < 1.0;
-        const double ratio = is_known ? e : came > 0.0 ? u / came : 1.0;
+        // what is as quick as it came but for rounding has no end
+        const double measured = came > 0.0 ? u / came : 1.0, ratio = is_known ? e : measured < 0.999 ? measured : 1.0;
         // those that do not are no bounces once they are far below rounding
         if (is_coarse && ratio >= 1.0 && height > 1e-3 * lowest(k) && next > 64.0 * epsilon * std::abs(t)) return {};
         const double sum = next / (1.0 - (ratio < 1.0 ? ratio : 0.9));
