@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import rbdyn as rb
+from planar_scenes import random_scene
 
 
 def scene_of(seed, coefficients=None):
@@ -127,3 +128,37 @@ def test_forces_that_turn_with_a_slip_are_known_up_to_where_it_comes_to_rest(see
     away = [t for t in times if all(abs(t - e.time) > error * t for e in run.events)]
     for contact in contacts:
         assert np.abs(run[contact].force(away) - fine[contact].force(away)).max() < error * 9.81
+
+
+@pytest.mark.parametrize("seed", [2, 4, 8, 29, 37])
+def test_corners_that_bounce_by_turns_come_to_an_end(seed):
+    """A box that falls on its four corners, each with a restitution of at most 0.7: a corner loses 14 digits of its
+    speed in a hundred bounces, and there are a few landings in a second."""
+    random = np.random.default_rng(seed)
+    a, b, c = random.uniform(0.1, 0.4, 3)
+    scene = rb.Scene(gravity=[0, 0, -9.81])
+    body = scene.add(
+        rb.shapes.box(1, [a, b, c]),
+        position=[0, 0, 0.6],
+        angular_velocity=random.normal(size=3) * 0.5,
+        velocity=random.normal(size=3) * 0.2,
+    )
+    e = random.choice([0.2, 0.3, 0.5, 0.7])
+    for x in (-a / 2, a / 2):
+        for y in (-b / 2, b / 2):
+            scene.contact(body.point([x, y, -c / 2]), rb.Plane([0, 0, 1]), restitution=e)
+    run = rb.simulate(scene, 1.0, rtol=1e-10, max_steps=5000)
+    assert run.status == "reached end"
+    assert len(run.events) < 2000
+
+
+@pytest.mark.parametrize(("seed", "rough"), [(84, False), (5679, True)])
+def test_bounces_without_loss_have_no_end(seed, rough):
+    """A corner with restitution 1 beside one that rests bounces on as quickly as it came."""
+    planar = random_scene(seed, rough=rough)
+    scene, _, contacts = planar.scene()
+    run = rb.simulate(scene, 1.5, rtol=1e-12, max_steps=5000)
+    lossless = [handle for handle, c in zip(contacts, planar.contacts, strict=True) if c.restitution == 1.0]
+    ends = [event for event in run.events if event.kind == "accumulation"]
+    assert lossless and not [event for event in ends if event.subject in lossless]
+    assert run.status == "step limit"

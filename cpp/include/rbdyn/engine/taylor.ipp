@@ -457,7 +457,7 @@ RBDYN_INLINE double TaylorEngine::borne_out_at_end(double length) {
 }
 
 RBDYN_INLINE double TaylorEngine::held_at_end(double length) {
-    if (!projection_) return length;
+    if (!projection_ || projection_->positions() == 0) return length;
     constexpr double nothing = 0x1p-58;
     const double last_power = series::power(length, order_);
     // what starts at rest is as large as it becomes

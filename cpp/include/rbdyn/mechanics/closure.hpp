@@ -233,7 +233,7 @@ public:
 
     /// Of what touches: the largest gap.
     Off off(std::span<const double> x, std::span<const double> low, double t) const override;
-    int positions() const override { return tree_->positions(); }
+    int positions() const override { return size_ > 0.0 ? tree_->positions() : 0; }
 
     void refine(std::vector<DoubleDouble>& x, double t) const override;
 

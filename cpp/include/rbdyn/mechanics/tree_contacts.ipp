@@ -20,8 +20,16 @@ namespace rbdyn::inline RBDYN_FORM {
 RBDYN_INLINE bool TreeModel::bounces_among_bouncing(int contact) const {
     const mechanics::ContactLaw& one = conditions_->contacts()[at(contact)];
     const auto is_joined = [&](int body) { return body >= 0 && (body == one.a.body || body == one.b.body); };
+    // what is struck through its centre of mass is not turned
+    const auto is_central = [&](const mechanics::Anchor& on, bool is_plane) {
+        if (on.body < 0) return true;
+        const mechanics::Node& n = tree_->node(on.body);
+        return n.is_point || (!is_plane && on.point == n.center);
+    };
     return std::ranges::all_of(conditions_->contacts(), [&](const mechanics::ContactLaw& c) {
-        return c.restitution > 0.0 || !(is_joined(c.a.body) || is_joined(c.b.body));
+        if (!(is_joined(c.a.body) || is_joined(c.b.body))) return true;
+        return c.restitution > 0.0 && c.part == mechanics::ContactLaw::Part::ball && is_central(c.a, false) &&
+               is_central(c.b, c.surface == mechanics::ContactLaw::Surface::plane);
     });
 }
 

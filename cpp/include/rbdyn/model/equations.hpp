@@ -110,7 +110,7 @@ public:
     };
     virtual Off off(std::span<const double> x, std::span<const double> low, double t) const;
     /// How many variables, the first, are positions: what rounding leaves of accelerations moves them like the square
-    /// of the time, and the others in proportion to it. Of what is asked how far it is off.
+    /// of the time, and the others in proportion to it. None where nobody asks how far it is off.
     virtual int positions() const;
     /// Moves a state of 32 digits to where constraints hold, with as many.
     virtual void refine(std::vector<DoubleDouble>& x, double t) const;

@@ -114,8 +114,8 @@ public:
     /// Whether bounces of contacts that end a mode, or begin with it, are followed by digits beyond doubles: not where
     /// they are summed to first order.
     virtual bool follows_bounces(const Mode& /*mode*/) const { return true; }
-    /// Whether a contact, and all others of what it joins, throw back what strikes: where one does not, what lands on
-    /// it and leaves it by turns comes to rest by the rounding of its gap.
+    /// Whether a contact, and all others of what it joins, throw back what strikes and turn nothing: where one does not
+    /// throw back, or corners strike by turns, what bounces comes to rest by the rounding of its gap.
     virtual bool bounces_among_bouncing(int /*contact*/) const { return true; }
 
     /// Of the constraint that is nearest to depending on the others, how near: the sine of the angle between them, so

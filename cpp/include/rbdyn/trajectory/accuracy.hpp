@@ -113,8 +113,8 @@ private:
     static bool is_force(const Observed& o) { return o.alike == Alike::force || o.alike == Alike::torque; }
 
     /// The events of a run but for its last bounces; which of several comes first that the accuracy cannot tell apart
-    /// is settled by what they are. `start`: of the motion.
-    std::vector<Event> in_order(const Record& r, double start) const;
+    /// is settled by what they are. `limits`: of its bounces; `start`: of the motion.
+    std::vector<Event> in_order(const Record& r, const std::vector<double>& limits, double start) const;
 
     static bool differ(const std::vector<Event>& a, std::size_t i, const std::vector<Event>& b, std::size_t j);
 

@@ -53,9 +53,9 @@ RBDYN_INLINE Comparison AccuracyCheck::operator()(const Record& run, const Recor
 
     // times of events
     double uncertain = std::numeric_limits<double>::infinity();
-    const std::vector<Event> ours = in_order(run, start), theirs = in_order(better, start);
-    // which of the last bounces still belong to those left out rounding decides, too
     const std::vector<double> our_limits = limits_of(run), their_limits = limits_of(better);
+    const std::vector<Event> ours = in_order(run, our_limits, start), theirs = in_order(better, their_limits, start);
+    // which of the last bounces still belong to those left out rounding decides, too
     const auto is_last = [&](const std::vector<Event>& events, std::size_t k, const std::vector<double>& limits) {
         return k < events.size() && is_last_bounce(events[k], limits, start, 2.0 * last_bounces);
     };
@@ -400,8 +400,8 @@ RBDYN_INLINE std::vector<double> AccuracyCheck::limits_of(const Record& r) {
     return limits;
 }
 
-RBDYN_INLINE std::vector<Event> AccuracyCheck::in_order(const Record& r, double start) const {
-    const std::vector<double> limits = limits_of(r);
+RBDYN_INLINE std::vector<Event> AccuracyCheck::in_order(const Record& r, const std::vector<double>& limits,
+                                                        double start) const {
     std::vector<Event> events;
     for (const Event& event : r.events)
         if (!is_last_bounce(event, limits, start, last_bounces)) events.push_back(event);
