@@ -377,7 +377,7 @@ InvalidInput for what is no state, and for rates that are not as many.)")
 function: function(now) -> number, with now.time, now.x (n,) and now["angle"] or now[0]. direction: "rising", "falling" or
 "either". action: "record" it, "stop" the run there, or a function of now (numbers) that returns the state after it: all of
 it (n,), or {name or place: number}. trace as for Force. Raises InvalidInput for a name that is taken.)")
-        .def(py::pickle(&data_of, &system_from))
+        .def(py::pickle([](const BoundSystem& s) { return data_of(s); }, &system_from))
         .def("__copy__", [](const BoundSystem& s) { return BoundSystem(s); })
         .def(
             "__deepcopy__", [](const BoundSystem& s, const py::dict&) { return BoundSystem(s); }, py::arg("memo"))

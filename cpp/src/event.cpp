@@ -16,3 +16,4 @@
 #include "rbdyn/event/search_least.ipp"
 #include "rbdyn/event/search_low.ipp"
 #include "rbdyn/event/search_products.ipp"
+#include "rbdyn/event/search_values.ipp"

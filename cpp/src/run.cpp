@@ -11,6 +11,7 @@
 #include "rbdyn/solve.ipp"
 #include "rbdyn/solve_closed.ipp"
 #include "rbdyn/trajectory/accuracy.ipp"
+#include "rbdyn/trajectory/accuracy_events.ipp"
 #include "rbdyn/trajectory/any_run.ipp"
 #include "rbdyn/trajectory/body_motion.ipp"
 #include "rbdyn/trajectory/error_scales.ipp"

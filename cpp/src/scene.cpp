@@ -15,6 +15,7 @@
 #include "rbdyn/scene/recorded_action.ipp"
 #include "rbdyn/scene/rigid_motion.ipp"
 #include "rbdyn/scene/scene.ipp"
+#include "rbdyn/scene/scene_rules.ipp"
 #include "rbdyn/scene/spring.ipp"
 #include "rbdyn/scene/starts.ipp"
 #include "rbdyn/scene/torque.ipp"

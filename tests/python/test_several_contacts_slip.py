@@ -252,3 +252,64 @@ def test_a_slow_ball_rolls_on_and_does_not_rest(v):
     assert [e.kind for e in run.events] == ["stick"]
     assert abs(run.events[0].time / (2 * v / (7 * 0.3 * g)) - 1) < 1e-14
     assert abs(run[ball].velocity(2.0)[0] / (5 / 7 * v) - 1) < 1e-14
+
+
+def sledge_across(slope, mu, turn, feet, speed):
+    """A sledge on feet, on an incline that falls along x, thrown across it."""
+    scene = rb.Scene(gravity=[g * math.sin(slope), 0, -g * math.cos(slope)])
+    c, s = math.cos(turn), math.sin(turn)
+    sledge = scene.add(
+        rb.RigidBody(2.0, [0.1, 0.2, 0.25]),
+        position=[0, 0, 0.125],
+        velocity=[0, speed, 0],
+        attitude=[[c, -s, 0], [s, c, 0], [0, 0, 1]],
+    )
+    for x, y in feet:
+        scene.contact(sledge.point([x, y, -0.125]), rb.Plane([0, 0, 1]), friction=rb.Coulomb(mu))
+    return scene, sledge
+
+
+CORNERS = [(0.5, 0.25), (0.5, -0.25), (-0.5, 0.25), (-0.5, -0.25)]
+
+
+@pytest.mark.parametrize("feet", [CORNERS, [*CORNERS, (0.0, 0.1), (0.2, -0.3)]], ids=len)
+@pytest.mark.parametrize("turn", [0.0, 0.3, 2.4])
+@pytest.mark.parametrize(("slope", "mu"), [(0.5, 0.1), (0.9, 0.3)])
+def test_a_sledge_thrown_across_an_incline_slides_as_a_point_does(feet, turn, slope, mu):
+    """More feet than it needs, whose forces are one choice of many, in a direction that turns: what slides as a whole
+    has one direction, so that its motion is that of a point. It ended as Painleve's at the first turn."""
+    scene, sledge = sledge_across(slope, mu, turn, feet, 1.0)
+    run = rb.simulate(scene, 3.0, error=1e-10)
+
+    def point(_, y):
+        u, v = y[2:]
+        friction = mu * g * math.cos(slope) / math.hypot(u, v)
+        return [u, v, g * math.sin(slope) - friction * u, -friction * v]
+
+    exact = solve_ivp(point, (0, 3.0), [0, 0, 0, 1.0], method="DOP853", rtol=1e-13, atol=1e-13).y[:, -1]
+    assert run.status == "reached end" and not run.events
+    assert np.allclose(run[sledge].position(3.0), [*exact[:2], 0.125], rtol=1e-11, atol=1e-11)
+    assert np.allclose(run[sledge].velocity(3.0), [*exact[2:], 0.0], rtol=1e-11, atol=1e-11)
+    assert np.abs(run[sledge].angular_velocity(3.0)).max() < 1e-12
+    names = [f"contact {k + 1}" for k in range(len(feet))]
+    assert run.plan.not_unique == names
+    # each presses, and they balance what presses on the whole
+    forces = [run[name].force(1.0) for name in names]
+    assert min(force[2] for force in forces) > 0
+    assert sum(force[2] for force in forces) == pytest.approx(2.0 * g * math.cos(slope), rel=1e-12)
+
+
+@pytest.mark.parametrize("turn", [0.0, 1.1])
+def test_a_sledge_thrown_across_an_incline_that_is_too_rough_stops(turn):
+    slope, mu = 0.4, 0.7
+    scene, sledge = sledge_across(slope, mu, turn, CORNERS, 1.0)
+    run = rb.simulate(scene, 2.0, error=1e-9)
+    # v = C tan(phi/2)^k / sin phi, phi from the line of fall, k = mu cot(slope) > 1: dphi/dt = -g sin(slope) sin phi / v
+    k = mu / math.tan(slope)
+    half = solve_ivp(
+        lambda s, y: [math.tan(s / 2) ** k / math.sin(s) ** 2], (1e-12, math.pi / 2), [0.0], rtol=1e-12, atol=1e-15
+    )
+    stop = half.y[0, -1] / (g * math.sin(slope))
+    assert [e.kind for e in run.events if e.kind == "stick"] == ["stick"] * 4
+    assert np.allclose(run.events.times("stick"), stop, rtol=1e-8, atol=0)
+    assert np.abs(run[sledge].velocity(2.0)).max() < 1e-12

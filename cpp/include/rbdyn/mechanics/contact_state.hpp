@@ -18,14 +18,19 @@ namespace mechanics {
 /// Closed and rough: it slides, in a direction that stays what it is across the normal, in one that turns, or, where
 /// the speed is so small that its direction is rounding, in the last direction there was, or, where it starts from
 /// rest, in that of its first acceleration, or in one that is a polynomial in time where it has none (curves); or it is
-/// held, along those of the world's axes that are rows of their own.
+/// held, along those of the world's axes that are rows of their own. What slides, its force one of many, rests in a
+/// direction that stays, or veers with its slip.
 namespace contact_state {
 
 inline constexpr signed char pushes = 1, rests = 3, straight = 4, turning = 5, brief = 6, starts = 7, curves = 8,
-                             held = 9;
+                             held = 9, veers = 17;
 
 inline bool slides(signed char state) { return state >= straight && state <= curves; }
-inline bool is_held(signed char state) { return state >= held; }
+inline bool is_held(signed char state) { return state >= held && state < veers; }
+/// Whether its normal force is a number of the mode, one of many.
+inline bool is_given(signed char state) { return state == rests || state == veers; }
+/// Whether it slides in the direction that its slip has.
+inline bool follows_slip(signed char state) { return state == turning || state == veers; }
 /// Whether what is held is so by a row of its own along an axis of the world.
 inline bool is_row(signed char state, int axis) { return is_held(state) && ((state - held) >> axis & 1) != 0; }
 inline const char* word(signed char state) { return state == flies ? "open" : is_held(state) ? "sticks" : "slides"; }
@@ -35,7 +40,7 @@ inline constexpr double least_speed = 1e-100;
 
 /// Whether it remembers something that its equations need.
 inline bool has_numbers(const ContactLaw& contact, signed char state) {
-    return state == rests || (contact.is_rough() && state != flies);
+    return is_given(state) || (contact.is_rough() && state != flies);
 }
 
 }  // namespace contact_state

@@ -237,9 +237,12 @@ RBDYN_INLINE bool TreeModel::take(const Mode& before, Mode& mode, double t, Touc
         if (!one.slides && !begins) continue;
         rows.push_back(conditions_->normal_row(k));
         // a motion that an impact or its own stop did not touch goes on in its form
-        if (one.slides && slides(before.slip[at(k)]) && before.jumps == mode.jumps) {
-            mode.slip[at(k)] = before.slip[at(k)];
-            continue;
+        if (one.slides && before.jumps == mode.jumps) {
+            const signed char was = before.slip[at(k)];
+            if (slides(was) || was == veers) {
+                mode.slip[at(k)] = was == veers ? mechanics::contact_state::turning : was;
+                continue;
+            }
         }
         if (begins) {
             const Vector3 rate = one.axes[1] * found.rate[f + 1] + one.axes[2] * found.rate[f + 2],
@@ -268,7 +271,7 @@ RBDYN_INLINE bool TreeModel::take(const Mode& before, Mode& mode, double t, Touc
     const auto is_chosen = [&](int row) { return std::binary_search(chosen.begin(), chosen.end(), row); };
     for (std::size_t i = 0; i < candidates.size(); ++i) {
         const int k = candidates[i];
-        if (mode.slip[at(k)] >= held) {
+        if (is_held(mode.slip[at(k)])) {
             for (int axis = 0; axis < 3; ++axis)
                 if (is_chosen(conditions_->held_row(k, axis))) mode.slip[at(k)] += static_cast<signed char>(1 << axis);
         } else if (!is_rough(k) && found.states[i] != ConeState::open) {
@@ -279,7 +282,7 @@ RBDYN_INLINE bool TreeModel::take(const Mode& before, Mode& mode, double t, Touc
                 mode.impossible = not_unique({k});
                 return false;
             }
-            mode.slip[at(k)] = rests;
+            mode.slip[at(k)] = follows_slip(mode.slip[at(k)]) ? veers : rests;
         }
     }
     return hold_by_friction(before, mode, t, touched, found.force, all);

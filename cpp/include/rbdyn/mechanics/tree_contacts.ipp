@@ -68,7 +68,8 @@ RBDYN_INLINE std::vector<int> TreeModel::closed_in(const Mode& mode,
         if (r >= conditions_->joint_row(0)) rows.push_back(r);
     const std::size_t first = rows.size();
     for (int k = 0; k < contacts(); ++k)
-        if (mode.slip[at(k)] != flies && mode.slip[at(k)] != rests) rows.push_back(conditions_->normal_row(k));
+        if (mode.slip[at(k)] != flies && !mechanics::contact_state::is_given(mode.slip[at(k)]))
+            rows.push_back(conditions_->normal_row(k));
     return mechanics::independent_rows(*tree_, *conditions_, rows, all, first);
 }
 

@@ -147,7 +147,7 @@ RBDYN_INLINE void TreeModel::settle_rough(const Mode& before, Mode& mode, double
     const bool is_small = fired.landing.empty() && fired.doubtful.empty() && fired.breaking.empty() &&
                           !(fired.stopping.empty() && fired.turning.empty());
     const auto is_turning = [&](int k) {
-        return mode.slip[at(k)] == mechanics::contact_state::turning &&
+        return mechanics::contact_state::follows_slip(mode.slip[at(k)]) &&
                std::find(fired.stopping.begin(), fired.stopping.end(), k) != fired.stopping.end();
     };
     // another form of the same motion: nothing happens
@@ -167,7 +167,7 @@ RBDYN_INLINE void TreeModel::settle_rough(const Mode& before, Mode& mode, double
                 };
                 memory.least =
                     std::max(memory.least, 8.0 * epsilon * std::abs(t) * std::hypot(along(first), along(second)));
-                const bool was_turning = mode.slip[at(k)] == mechanics::contact_state::turning ||
+                const bool was_turning = mechanics::contact_state::follows_slip(mode.slip[at(k)]) ||
                                          mode.slip[at(k)] == mechanics::contact_state::curves,
                            is_least = was_turning && (list == &fired.stopping || !(slip.norm() > 1.5 * memory.least));
                 if (is_least) memory.least = std::max(memory.least, slip.norm());
@@ -177,9 +177,12 @@ RBDYN_INLINE void TreeModel::settle_rough(const Mode& before, Mode& mode, double
                 if (!starts && slip.norm() > 1e-3 * memory.least)
                     memory.axis = touching.normal.cross(slip).normalized();
                 memory.put(mode.memory, k);
-                mode.slip[at(k)] = starts     ? mechanics::contact_state::straight
-                                   : is_least ? mechanics::contact_state::brief
-                                              : mechanics::contact_state::turning;
+                if (mechanics::contact_state::is_given(mode.slip[at(k)]))
+                    mode.slip[at(k)] = is_least ? rests : mechanics::contact_state::veers;
+                else
+                    mode.slip[at(k)] = starts     ? mechanics::contact_state::straight
+                                       : is_least ? mechanics::contact_state::brief
+                                                  : mechanics::contact_state::turning;
             }
         choose(mode, t, x, {});
         return;
@@ -364,13 +367,13 @@ RBDYN_INLINE void TreeModel::tell_friction(const Mode& mode, const Mode& after, 
     for (int k = 0; k < contacts(); ++k) {
         const signed char was = mode.slip[at(k)], is = after.slip[at(k)];
         const auto slides = [&](signed char s) {
-            return mechanics::contact_state::slides(s) || (s == rests && is_rough(k));
+            return mechanics::contact_state::slides(s) || (mechanics::contact_state::is_given(s) && is_rough(k));
         };
         const bool stops = std::find(fired.stopping.begin(), fired.stopping.end(), k) != fired.stopping.end();
         std::optional<EventKind> kind;
         if (slides(was) && is_held(is)) kind = EventKind::stick;
         if (is_held(was) && slides(is)) kind = EventKind::slip;
-        if (slides(was) && slides(is) && stops && was != mechanics::contact_state::turning) {
+        if (slides(was) && slides(is) && stops && !mechanics::contact_state::follows_slip(was)) {
             const auto direction = [&](const Mode& m, const auto& all) {
                 const Vector3 normal = conditions_->contacts()[at(k)].touching<double>(*tree_, all).normal;
                 return Vector3(mechanics::ContactMemory::of(m.memory, k).axis.cross(normal));

@@ -18,7 +18,7 @@ namespace rbdyn::inline RBDYN_FORM::mechanics {
 RBDYN_INLINE void TreeWriter::touch(EquationsWriter& write) const {
     const recording::WideFolding all_digits;
     // where loads are shared anew all that bear them do something else
-    const bool is_shared = std::ranges::find(states_, contact_state::rests) != states_.end();
+    const bool is_shared = std::ranges::any_of(states_, contact_state::is_given);
     for (std::size_t k = 0; k < states_.size(); ++k) {
         const ContactLaw& c = conditions_.contacts()[k];
         const int contact = static_cast<int>(k);
@@ -26,7 +26,7 @@ RBDYN_INLINE void TreeWriter::touch(EquationsWriter& write) const {
             write.guard({.kind = EventKind::land, .contact = contact, .name = "gap of " + c.name},
                         c.sign<Expression>(tree_, moving_, touching_[k]));
         if (contact_state::slides(states_[k]) || contact_state::is_held(states_[k]) ||
-            (states_[k] == contact_state::rests && c.is_rough())) {
+            (contact_state::is_given(states_[k]) && c.is_rough())) {
             guard_friction(write, contact);
             continue;
         }
@@ -50,7 +50,7 @@ RBDYN_INLINE void TreeWriter::guard_friction(EquationsWriter& write, int contact
     const std::size_t first = place(contact);
     const Vector3Of<S> force = vector_at(first);
     // what shares its load shares it anew where it comes to an edge
-    const bool is_held = contact_state::is_held(state), is_shared = is_held || state == contact_state::rests;
+    const bool is_held = contact_state::is_held(state), is_shared = is_held || contact_state::is_given(state);
     const Guard leaves{
         .kind = EventKind::detach, .contact = contact, .name = "force of " + c.name, .renews = is_shared},
         turns{.kind = EventKind::switching,
@@ -72,12 +72,12 @@ RBDYN_INLINE void TreeWriter::guard_friction(EquationsWriter& write, int contact
     const auto slides = [](signed char s) { return contact_state::slides(s); };
     const bool is_alone = std::count_if(states_.begin(), states_.end(), slides) == 1;
     write.decide(leaves, is_alone && !is_shared && joints_.empty() ? values_[first + 3] : normal);
-    if (state != contact_state::rests)
+    if (!contact_state::is_given(state))
         write.guard({.kind = EventKind::singular, .contact = contact, .name = "friction of " + c.name},
                     values_[first + 4]);
     const Vector3Of<S> slip = t.slip();
     const Guard stops{.kind = EventKind::stick, .contact = contact, .name = "slip of " + c.name};
-    if (state == contact_state::turning) {
+    if (contact_state::follows_slip(state)) {
         write.guard(stops, f.speed - f.least);
         // a direction is not followed past a speed of zero: there the series of |u| goes on with another sign
         write.guard(turns, dot<S>(unit_along(f.axis, t.normal), slip) - S(0.875) * f.speed);

@@ -118,7 +118,7 @@ RBDYN_INLINE std::vector<Expression> TreeWriter::add_friction(const Accelerate<S
                 m.bias_at(m.to_world(exactly<S>(node.center))) * exactly<S>(node.mass) - acts.wrenches[at(body)].force;
         }
         for (std::size_t k = 0; k < states_.size(); ++k)
-            if (contact_state::is_held(states_[k]) || states_[k] == contact_state::rests)
+            if (contact_state::is_held(states_[k]) || contact_state::is_given(states_[k]))
                 sum += response.less(i, touching_[k].row(shared(k), none<S>()), S(1.0));
         Load one = response.load(i, spread, forces);
         const Load rest = response.across(i, sum);

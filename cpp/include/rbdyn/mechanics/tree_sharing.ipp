@@ -18,8 +18,9 @@ namespace rbdyn::inline RBDYN_FORM {
 
 RBDYN_INLINE bool TreeModel::shares_load(const Mode& mode) const {
     for (int k = 0; k < contacts(); ++k)
-        if (mode.slip[at(k)] == rests || (mechanics::contact_state::is_held(mode.slip[at(k)]) &&
-                                          mechanics::ContactMemory::of(mode.memory, k).shares))
+        if (mechanics::contact_state::is_given(mode.slip[at(k)]) ||
+            (mechanics::contact_state::is_held(mode.slip[at(k)]) &&
+             mechanics::ContactMemory::of(mode.memory, k).shares))
             return true;
     return false;
 }
@@ -212,7 +213,7 @@ RBDYN_INLINE bool TreeModel::hold_by_friction(const Mode& before, Mode& mode, do
             places.push_back({i, along});
             size = std::max(size, std::abs(force[f]));
         }
-        if (state == rests) {
+        if (is_given(state)) {
             loose.push_back({i, along});
             loose_rows.push_back(one.at.row(along, Vector3(Vector3::Zero())));
             names.emplace_back(one.contact, 0);
@@ -293,7 +294,7 @@ RBDYN_INLINE bool TreeModel::hold_by_friction(const Mode& before, Mode& mode, do
         const auto found = std::find(alive.begin(), alive.end(), i);
         mechanics::ContactMemory memory = mechanics::ContactMemory::of(mode.memory, names[i].first);
         const mechanics::ContactMemory last = mechanics::ContactMemory::of(before.memory, names[i].first);
-        const bool is_one = mode.slip[at(names[i].first)] == rests,
+        const bool is_one = is_given(mode.slip[at(names[i].first)]),
                    goes_on = same_states(before, mode) && (is_one || last.shares) && t > last.since;
         memory.since = t;
         memory.rate[names[i].second] = 0.0;

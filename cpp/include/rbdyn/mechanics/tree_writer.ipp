@@ -49,7 +49,7 @@ RBDYN_INLINE TreeWriter::TreeWriter(Recorder& r, const Tree& tree, const Conditi
         f.least = numbers[3];
         for (int i = 0; i < 3; ++i) f.force[i] = numbers[4 + i] + numbers[7 + i] * (r.time() - numbers[10]);
         if (!contact_state::slides(states_[k]) &&
-            !(states_[k] == contact_state::rests && conditions.contacts()[k].is_rough()))
+            !(contact_state::is_given(states_[k]) && conditions.contacts()[k].is_rough()))
             continue;
         const Vector3Of<S> slip = touching_[k].slip(), last = unit_along(f.axis, touching_[k].normal);
         f.along = last;
@@ -61,7 +61,7 @@ RBDYN_INLINE TreeWriter::TreeWriter(Recorder& r, const Tree& tree, const Conditi
             f.left = curve[ContactMemory::terms] - r.time();
         }
         f.speed = dot<S>(f.along, slip);
-        if (states_[k] != contact_state::turning) continue;
+        if (!contact_state::follows_slip(states_[k])) continue;
         f.speed = sqrt(dot<S>(slip, slip));
         f.along = slip * (S(1.0) / f.speed);
     }
@@ -111,7 +111,7 @@ RBDYN_INLINE Vector3Of<Expression> TreeWriter::twisting(std::size_t k) const {
 }
 
 RBDYN_INLINE Vector3Of<Expression> TreeWriter::shared(std::size_t k) const {
-    if (states_[k] == contact_state::rests) return pushing(k) * friction_[k].force[0];
+    if (contact_state::is_given(states_[k])) return pushing(k) * friction_[k].force[0];
     Vector3Of<S> force = friction_[k].force;
     for (int axis = 0; axis < 3; ++axis)
         if (contact_state::is_row(states_[k], axis)) force[axis] = S(0.0);
@@ -151,7 +151,7 @@ RBDYN_INLINE std::vector<Expression> TreeWriter::laws() {
     }
     // what the motion does not determine
     for (std::size_t k = 0; k < states_.size(); ++k) {
-        if (!contact_state::is_held(states_[k]) && states_[k] != contact_state::rests) continue;
+        if (!contact_state::is_held(states_[k]) && !contact_state::is_given(states_[k])) continue;
         const Vector3Of<S> force = shared(k);
         const Touching<S>& t = touching_[k];
         const Vector3Of<S> torque = twisting(k) * dot<S>(t.normal, force);
@@ -269,7 +269,7 @@ RBDYN_INLINE std::vector<Expression> TreeWriter::laws() {
     values.insert(values.end(), acts.joints.begin(), acts.joints.end());
     values.insert(values.end(), multipliers.begin(), multipliers.end());
     for (std::size_t k = 0; k < states_.size(); ++k) {
-        const bool is_shared = contact_state::is_held(states_[k]) || states_[k] == contact_state::rests;
+        const bool is_shared = contact_state::is_held(states_[k]) || contact_state::is_given(states_[k]);
         Vector3Of<S> force = is_shared ? shared(k) : none<S>();
         const int contact = static_cast<int>(k);
         for (std::size_t r = 0; r < rows_.size(); ++r) {

@@ -16,7 +16,6 @@
 
 #include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/instant.hpp"
-#include "rbdyn/basics/sort_few.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/closed_form/closed_form.hpp"
 #include "rbdyn/event/event.hpp"
@@ -391,54 +390,6 @@ RBDYN_INLINE void AccuracyCheck::note(double weight, bool is_shared, bool has_fo
         largest[k] = value;
         differences_.push_back({last_, value, static_cast<int>(k), is_shared});
     }
-}
-
-RBDYN_INLINE std::vector<double> AccuracyCheck::limits_of(const Record& r) {
-    std::vector<double> limits;
-    for (const Event& event : r.events)
-        if (event.kind == EventKind::accumulation && event.contact >= 0) limits.push_back(event.time);
-    return limits;
-}
-
-RBDYN_INLINE std::vector<Event> AccuracyCheck::in_order(const Record& r, const std::vector<double>& limits,
-                                                        double start) const {
-    std::vector<Event> events;
-    for (const Event& event : r.events)
-        if (!is_last_bounce(event, limits, start, last_bounces)) events.push_back(event);
-    for (std::size_t first = 0, last = 0; first < events.size(); first = last) {
-        for (last = first + 1; last < events.size(); ++last)
-            if (events[last].time - events[last - 1].time > wanted_ * (events[last].time - start)) break;
-        sort_few(std::span(events).subspan(first, last - first), comes_before);
-    }
-    return events;
-}
-
-RBDYN_INLINE bool AccuracyCheck::differ(const std::vector<Event>& a, std::size_t i, const std::vector<Event>& b,
-                                        std::size_t j) {
-    if (i >= a.size() || j >= b.size()) return true;
-    return a[i].kind != b[j].kind || a[i].subject != b[j].subject || a[i].name != b[j].name;
-}
-
-RBDYN_INLINE bool AccuracyCheck::is_graze(const std::vector<Event>& events, std::size_t i, double start) const {
-    if (i + 1 >= events.size()) return false;
-    const Event &a = events[i], &b = events[i + 1];
-    if (a.kind != EventKind::stick || b.kind != EventKind::slip || a.subject != b.subject) return false;
-    // what other events are of is no body, or has no friction
-    return !model_.holds_what_touches(a.subject) && b.time - a.time <= std::sqrt(wanted_) * (a.time - start);
-}
-
-RBDYN_INLINE bool AccuracyCheck::is_last_bounce(const Event& event, const std::vector<double>& limits, double start,
-                                                double near) {
-    if (event.contact < 0) return false;
-    if (event.kind != EventKind::impact && event.kind != EventKind::land && event.kind != EventKind::detach)
-        return false;
-    const auto limit = std::ranges::lower_bound(limits, event.time);
-    return limit != limits.end() && *limit - event.time <= near * (event.time - start);
-}
-
-RBDYN_INLINE void AccuracyCheck::skip_graze(const std::vector<Event>& ours, std::size_t& i, Comparison& result) {
-    result.grazes.push_back(ours[i++]);
-    result.grazes.push_back(ours[i++]);
 }
 
 RBDYN_INLINE bool AccuracyCheck::same_mode(const Mode& a, const Mode& b) {
