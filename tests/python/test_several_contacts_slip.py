@@ -304,7 +304,7 @@ def test_a_sledge_thrown_across_an_incline_that_is_too_rough_stops(turn):
     slope, mu = 0.4, 0.7
     scene, sledge = sledge_across(slope, mu, turn, CORNERS, 1.0)
     run = rb.simulate(scene, 2.0, error=1e-9)
-    # v = C tan(phi/2)^k / sin phi, phi from the line of fall, k = mu cot(slope) > 1: dphi/dt = -g sin(slope) sin phi / v
+    # v = tan(phi/2)^k / sin phi, phi from the line of fall, k = mu cot(slope) > 1, and phi' = -g sin(slope) sin phi / v
     k = mu / math.tan(slope)
     half = solve_ivp(
         lambda s, y: [math.tan(s / 2) ** k / math.sin(s) ** 2], (1e-12, math.pi / 2), [0.0], rtol=1e-12, atol=1e-15
