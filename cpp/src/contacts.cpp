@@ -6,6 +6,7 @@
 #include "rbdyn/mechanics/cone_program.ipp"
 #include "rbdyn/mechanics/foot.ipp"
 #include "rbdyn/mechanics/friction_cones.ipp"
+#include "rbdyn/mechanics/plane_choice.ipp"
 #include "rbdyn/mechanics/tree_bounces.ipp"
 #include "rbdyn/mechanics/tree_contacts.ipp"
 #include "rbdyn/mechanics/tree_friction.ipp"

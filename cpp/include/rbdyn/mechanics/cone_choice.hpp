@@ -1,4 +1,5 @@
-// Forces of contacts that are one choice of many, and whether the motion is the same with all of them.
+// Forces of contacts that are one choice of many, and whether the motion is the same with all of them; and what else
+// contacts may do.
 #pragma once
 
 #include <vector>
@@ -27,6 +28,11 @@ struct OtherForces {
 /// what pushes, then with each contact besides that touches and does not push yet.
 std::vector<OtherForces> other_forces(const Square& a, const std::vector<double>& noise, const std::vector<Cone>& cones,
                                       const ConeForces& found);
+
+/// Of contacts whose friction has one line each, as of what moves in a plane: all forces with which each of them is
+/// open, is held, or slides one way or the other, that satisfy its laws. None are looked for where a contact has
+/// friction along a surface, or without bound, where there are more than four, and where one alone has one answer.
+std::vector<ConeForces> every_choice(const Square& a, const std::vector<double>& b, const std::vector<Cone>& cones);
 
 }  // namespace mechanics
 

@@ -326,6 +326,10 @@ RBDYN_INLINE std::string TreeModel::impulses_not_unique(const std::vector<double
     return "the impulses of contacts that slide are not unique, and the motion depends on them, of " + names_of(shared);
 }
 
+RBDYN_INLINE std::string TreeModel::several_velocities(const std::vector<int>& struck) const {
+    return "several velocities after the impact satisfy the laws of restitution and friction, of " + names_of(struck);
+}
+
 RBDYN_INLINE std::string TreeModel::names_of(const std::vector<int>& of) const {
     std::string names;
     for (const int k : of) names += (names.empty() ? "" : ", ") + conditions_->contacts()[at(k)].name;

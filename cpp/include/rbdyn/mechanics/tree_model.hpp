@@ -230,6 +230,8 @@ private:
     /// change.
     std::string impulses_not_unique(const std::vector<double>& others, const std::vector<int>& struck,
                                     const std::vector<mechanics::Cone>& cones) const;
+    /// That the laws leave more than one velocity after an impact, in words.
+    std::string several_velocities(const std::vector<int>& struck) const;
     /// Why a contact does not slide on, in words.
     std::string no_sliding(int contact) const;
     /// Whether what friction holds has forces that the motion does not determine.

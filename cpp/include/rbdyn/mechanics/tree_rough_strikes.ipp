@@ -79,6 +79,13 @@ RBDYN_INLINE std::vector<double> TreeModel::strike_rough(const Mode& before, dou
             strokes.impossible = impulses_not_unique(other.change, struck, touched.cones);
             return normal;
         }
+    for (const mechanics::ConeForces& other : mechanics::every_choice(touched.matrix, b, touched.cones)) {
+        double apart = 0.0;
+        for (std::size_t i = 0; i < u.size(); ++i) apart = std::max(apart, std::abs(other.rate[i] - found.rate[i]));
+        if (apart <= 1e-9 * fastest || !gains_nothing(other, 1e-13)) continue;
+        strokes.impossible = several_velocities(struck);
+        return normal;
+    }
     const std::vector<double> changes = touched.coupled->changes(found.force);
     for (int k = 0; k < tree_->velocities(); ++k) x[at(tree_->positions() + k)] += changes[at(k)];
     if (struck.size() > 1) {
