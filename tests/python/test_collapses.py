@@ -234,3 +234,42 @@ def test_a_box_that_is_dropped_flat_on_its_four_corners_bears_alike_on_all_of_th
         for n, event in enumerate(impacts[:20]):
             assert event.impulse[2] == pytest.approx(m * G * first * (1 + e) * e**n / 4, rel=1e-9)
     assert np.abs(run[box].angular_velocity(run.end)).max() < 1e-14 * G * first / 0.1
+
+
+def mixed_column(draw):
+    """Smooth boxes, each on its two lower corners, and on them balls, all centred: of them boxes move as points do."""
+    n, e, a = int(draw.integers(3, 6)), float(draw.uniform(0.0, 0.9)), 0.125
+    boxes = int(draw.integers(1, n + 1))
+    masses = [float(10 ** draw.uniform(-1, 1)) for _ in range(n)]
+    gaps, speeds = [float(draw.uniform(0.1, 1.0))], [float(draw.uniform(-2, 2))]
+    for _ in range(1, n):
+        touches = draw.integers(2) == 0
+        gaps.append(0.0 if touches else float(draw.uniform(0, 0.5)))
+        speeds.append(speeds[-1] if touches else float(draw.uniform(-2, 1)))
+    scene, bodies, y, middles = rb.Scene(gravity=[0, -G, 0]), [], 0.0, []
+    for k in range(n):
+        y += a + gaps[k]
+        shape = rb.shapes.box(masses[k], [0.3, 2 * a, 0.2]) if k < boxes else rb.shapes.sphere(masses[k], a)
+        body = scene.add(shape, rb.Planar([1, 0, 0], [0, 1, 0]), position=[0, y], velocity=[0, speeds[k]])
+        below = rb.Plane([0, 1, 0])
+        if k:
+            below = bodies[-1].plane([0, 1, 0], [0, a, 0]) if k <= boxes else bodies[-1].sphere(a)
+        for part in [body.point([x, -a, 0]) for x in (-0.15, 0.15)] if k < boxes else [body.sphere(a)]:
+            scene.contact(part, below, restitution=e)
+        bodies.append(body)
+        middles.append((2 * k + 1) * a)
+        y += a
+    return scene, bodies, middles, Column(masses, gaps, speeds, e)
+
+
+@pytest.mark.parametrize("seed", [2, 5, 14, 16, 20, 26, 31, 35, 36, 43, 46, 48, 57])
+def test_boxes_and_balls_that_fall_along_touching_go_on_as_points_do(seed):
+    """Nothing presses them together as they fall: what rounding makes of their forces is none beside their weight."""
+    getcontext().prec = 60
+    scene, bodies, middles, exact = mixed_column(np.random.default_rng(seed))
+    run = rb.simulate(scene, 1.0)
+    for t in (0.25, 0.5, 0.75, 1.0):
+        exact.run(t)
+        for body, middle, height in zip(bodies, middles, exact.heights(), strict=True):
+            assert abs(run[body].position(t)[1] - middle - height) < 1e-9
+            assert abs(run[body].angle(t)) < 1e-9

@@ -143,3 +143,46 @@ def test_what_spins_about_the_vertical_and_comes_down_flat_goes_on_spinning():
         allowed = max(1e-9, 10 * error * math.sqrt(2 * G * h))
         assert abs(run[plate].velocity(top) @ up) < allowed, (seed, error)
         assert np.abs(run[plate].angular_velocity(top) - [0, 0, spin]).max() < allowed, (seed, error)
+
+
+def ridden(e, mass, aside, in_plane, is_ball):
+    """A plate above a floor, on it a body that does not bounce on it."""
+    scene, height = rb.Scene(gravity=[0, 0, -G]), 0.1
+    joint = (rb.Planar([1, 0, 0], [0, 0, 1]),) if in_plane else ()
+
+    def at(x, z):
+        return [x, z] if in_plane else [x, 0, z]
+
+    plate = scene.add(rb.shapes.box(1.0, [1, 1, 0.1]), *joint, position=at(0, height + 0.05))
+    for x, y in TWO if in_plane else FOUR:
+        scene.contact(plate.point([x / 2, y / 2, -0.05]), rb.Plane([0, 0, 1]), restitution=e)
+    top = plate.plane([0, 0, 1], [0, 0, 0.05])
+    if is_ball:
+        rider = scene.add(rb.shapes.sphere(mass, 0.1), *joint, position=at(aside, height + 0.2))
+        scene.contact(rider.sphere(0.1), top)
+    else:
+        rider = scene.add(rb.Particle(mass), position=[aside, 0, height + 0.1])
+        scene.contact(rider, top)
+    return scene, plate, rider, height
+
+
+@pytest.mark.parametrize("e", [0.3, 0.5])
+@pytest.mark.parametrize(
+    ("mass", "aside", "in_plane", "is_ball"),
+    [(1.0, 0.0, False, True), (1.0, 0.0, False, False), (1e-3, 0.1, False, True), (1.0, 0.0, True, True)]
+    + [(1.0, 0.1, True, True)],
+)
+def test_what_rides_on_a_plate_bounces_with_it(e, mass, aside, in_plane, is_ball):
+    """In each flight nothing presses it on the plate: forces of rounding made contacts open and close without end."""
+    scene, plate, rider, height = ridden(e, mass, aside, in_plane, is_ball)
+    run = rb.simulate(scene, 1.0, error=1e-8)
+    (last,) = (event for event in run.events if event.kind == "accumulation")
+    exact = math.sqrt(2 * height / G) * (1 + 2 * e / (1 - e))
+    assert abs(last.time - exact) < max(run.error, 1e-12) * exact
+    assert not any(event.kind == "detach" for event in run.events)
+    first, n = math.sqrt(2 * height / G), 3
+    # at the top of the third bounce
+    t = first * (1 + 2 * e + 2 * e**2 + e**n)
+    raised = height * e ** (2 * n)
+    up = run[rider].position(t)[2] - run[rider].position(1.0)[2], run[plate].position(t)[2] - 0.05
+    assert up == pytest.approx((raised, raised), rel=1e-8)

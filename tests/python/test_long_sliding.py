@@ -139,3 +139,61 @@ def test_a_box_that_slides_on_another_one_tips_it_where_statics_says():
     opened = [event for event in run.events if event.kind == "detach"]
     assert [event.subject for event in opened] == touch[:2]
     assert all(event.time == pytest.approx(tips, rel=1e-9) for event in opened)
+
+
+def stack(speeds):
+    """Boxes on each other, ever smaller, on a smooth floor; of each mass and width."""
+    scene, bodies, touch, sizes, z = rb.Scene(gravity=[0, 0, -G]), [], [], [], 0.0
+    for k, speed in enumerate(speeds):
+        mass, b, d = 1.0 + 0.3 * k, 0.5 - 0.07 * k, 0.4 - 0.05 * k
+        surface = bodies[-1].plane([0, 0, 1], [0, 0, 0.1]) if bodies else rb.Plane([0, 0, 1])
+        body = scene.add(rb.shapes.box(mass, [b, d, 0.2]), position=[0, 0, z + 0.1], velocity=[speed, 0, 0])
+        touch.append(
+            [scene.contact(body.point([x, y, -0.1]), surface) for x in (-b / 2, b / 2) for y in (-d / 2, d / 2)]
+        )
+        bodies.append(body)
+        sizes.append((mass, b))
+        z += 0.2
+    return scene, bodies, touch, sizes
+
+
+@pytest.mark.parametrize(
+    "speeds", [[0.3] * 2, [0.3] * 4, [0.01, 0.011], [0.01, 0.011, 0.009], [0.01, 0.011, 0.009, 0.01]]
+)
+def test_boxes_that_slide_on_each_other_do_so_uniformly(speeds):
+    """A tilt of one by rounded forces pulls those on it along: 2e-10 m after 10 s, 10,000 times that after 100."""
+    scene, bodies, touch, _ = stack(speeds)
+    until = 100.0
+    run = rb.simulate(scene, until, error=1e-9)
+    for t in until * np.array([0.1, 0.5, 1.0]):
+        for body, speed in zip(bodies, speeds, strict=True):
+            off = run[body].position(t) - run[body].position(0.0) - [speed * t, 0, 0]
+            assert np.abs(off).max() < 8 * np.finfo(float).eps * (1.0 + abs(speed) * t)
+            assert np.abs(run[body].angular_velocity(t)).max() < 1e-25
+        for contacts in touch:
+            assert max(abs(run[c].gap(t)) for c in contacts) < 1e-15
+
+
+@pytest.mark.parametrize("speeds", [[0.1, 0.2, -0.1], [0.1, 0.2, -0.1, 0.05], [0.01, 0.011, 0.009, 0.01]])
+def test_of_boxes_that_slide_on_each_other_the_one_tips_that_statics_says(speeds):
+    """Where it and what lies on it have their centre of mass above two of its feet. Those above stand on as they are
+    carried: their feet share what they bear anew."""
+    scene, bodies, touch, sizes = stack(speeds)
+    tips = []
+    for k, (_, width) in enumerate(sizes[:-1]):
+        above = range(k, len(speeds))
+        moves = sum(sizes[j][0] * (speeds[j] - speeds[k]) for j in above)
+        tips.append((width / 2 * sum(sizes[j][0] for j in above) / abs(moves), k, moves > 0))
+    time, lowest, forward = min(tips)
+    run = rb.simulate(scene, time + 0.06, rtol=1e-10)
+    assert run.status == "reached end"
+    opened = [event for event in run.events if event.kind == "detach"]
+    rear = touch[lowest][:2] if forward else touch[lowest][2:]
+    assert {event.subject for event in opened} == set(rear)
+    assert all(event.time == pytest.approx(time, rel=1e-12) for event in opened)
+    # those below do not turn, those above turn with it
+    after = time + 0.05
+    turning = [abs(run[body].angular_velocity(after)[1]) for body in bodies]
+    assert max(turning[:lowest], default=0.0) < 1e-20
+    assert turning[lowest] > 1e-6
+    assert turning[lowest:] == pytest.approx([turning[lowest]] * len(turning[lowest:]), rel=1e-6)

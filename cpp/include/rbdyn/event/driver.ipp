@@ -320,6 +320,13 @@ RBDYN_INLINE bool Driver::change(Record& record, const std::vector<int>& fired, 
         for (Happening& h : happenings)
             if (h.kind == EventKind::watch && h.name == guard.name) h.direction = search_.direction(index);
     }
+    // forces that come to zero one after the other at one instant, and push on, are all known to be there
+    if (now_.crowded > 0 && after.equations == before && after.parameters == now_.mode.parameters &&
+        after.jumps == now_.mode.jumps && now_.handled.size() == handled.size())
+        for (std::size_t g = 0; g < handled.size(); ++g) {
+            const Guard& guard = before->guards[g];
+            if (guard.contact >= 0 && guard.kind == EventKind::detach) handled[g] = handled[g] || now_.handled[g];
+        }
     // what was closed, or strikes, and opens begins at its surface
     const bool all_touch = std::all_of(fired.begin(), fired.end(), [&](int index) {
         return before->guards[static_cast<std::size_t>(index)].contact >= 0;

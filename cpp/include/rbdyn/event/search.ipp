@@ -151,10 +151,12 @@ RBDYN_INLINE double EventSearch::examine(Record& record, const Mode& mode, bool 
         const double place = f.place * piece.length;
         note(record, guard, direction_of(f.product_rises), piece.at(cut >= 0.0 ? std::min(place, cut) : place));
     }
-    ended_.clear();
     const bool all_end = std::all_of(fired_.begin(), fired_.end(), [&](int g) {
         return guards[at(g)].kind == EventKind::detach && guards[at(g)].contact >= 0;
     });
+    // those that end one after the other at one instant end together
+    const bool is_same = cut >= 0.0 && piece.at(cut) - piece.start <= 8.0 * epsilon * std::abs(piece.start.hi);
+    if (!(all_end && is_same)) ended_.clear();
     for (const int g : fired_)
         if (all_end) ended_.push_back(guards[at(g)].contact);
     // what a guard that fired is where it did, so that it is known again
@@ -518,7 +520,11 @@ RBDYN_INLINE void EventSearch::take(const Guard& guard, std::size_t g, bool fres
         if (guard.watch >= 0) watched(guard).known_from = lo + passages_.leaves_from() * (hi - lo);
     }
     if (leaves != known) {
-        found_.push_back({lo, 0.0, 0.0, g, leaves > 0});
+        // a force that begins with less than its rounding ends where it does, if that is told from now
+        constexpr double soon = 0x1p-10;
+        const double from = passages_.leaves_from() * (hi - lo);
+        const bool is_force = guard.kind == EventKind::detach && guard.contact >= 0;
+        found_.push_back({is_force && from <= soon ? lo + from : lo, 0.0, 0.0, g, leaves > 0});
         if (!guard.is_watched()) return;
     }
     for (const Passages::Place& p : passages_.places()) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,6 +20,14 @@ RBDYN_INLINE void TreeWriter::touch(EquationsWriter& write) const {
     const recording::WideFolding all_digits;
     // where loads are shared anew all that bear them do something else
     const bool is_shared = std::ranges::any_of(states_, contact_state::is_given);
+    // what acts on a body all the time
+    const auto weight = [&](int body) {
+        if (body < 0) return std::numeric_limits<double>::max();
+        double square = 0.0;
+        for (const S& one : acting(12 * body))
+            if (one.is_constant()) square += one.value() * one.value();
+        return std::sqrt(square);
+    };
     for (std::size_t k = 0; k < states_.size(); ++k) {
         const ContactLaw& c = conditions_.contacts()[k];
         const int contact = static_cast<int>(k);
@@ -30,14 +39,16 @@ RBDYN_INLINE void TreeWriter::touch(EquationsWriter& write) const {
             guard_friction(write, contact);
             continue;
         }
+        // a force that is none, as between bodies that fall together, is one of rounding beside what acts on either
+        const S nothing(4.0 * std::numeric_limits<double>::epsilon() * std::min(weight(c.a.body), weight(c.b.body)));
         if (states_[k] == contact_state::rests)
             write.decide({.kind = EventKind::detach, .contact = contact, .name = "force of " + c.name, .renews = true},
-                         friction_[k].force[0]);
+                         friction_[k].force[0] + nothing);
         for (std::size_t r = 0; r < rows_.size(); ++r)
             if (rows_[r] == conditions_.normal_row(contact))
                 write.decide(
                     {.kind = EventKind::detach, .contact = contact, .name = "force of " + c.name, .renews = is_shared},
-                    values_[first_multiplier() + r]);
+                    values_[first_multiplier() + r] + nothing);
     }
     for (std::size_t e = 0; e < resistance_states_.size(); ++e) guard_resistance(write, e);
 }

@@ -20,6 +20,7 @@
 #include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/mechanics/closure.hpp"
+#include "rbdyn/mechanics/level.hpp"
 #include "rbdyn/mechanics/tree_writer.hpp"
 #include "rbdyn/model/acting.hpp"
 #include "rbdyn/model/rail_singular.hpp"
@@ -495,10 +496,11 @@ RBDYN_INLINE std::unique_ptr<Structure> TreeModel::record(const Mode& mode, cons
             std::vector<Expression> still(values.begin(), values.end());
             for (int i = 0; i < bodies() && stands_still; ++i)
                 std::fill_n(still.begin() + n + 12 * i + 6, 6, Expression(0.0));
-            if (stands_still) {
-                std::fill_n(still.begin(), n, Expression(0.0));
-                values = still;
-            }
+            if (stands_still) std::fill_n(still.begin(), n, Expression(0.0));
+            // nor does what slides flat on a plane have those that it is held in
+            if (!stands_still)
+                mechanics::keep_level(in_mode, mechanics::levels(in_mode, *conditions_, mode.slip), still);
+            values = still;
             tree.take(values);
             for (int i = 0; i < n; ++i) write.rate(i) = values[at(i)];
             tree.touch(write);

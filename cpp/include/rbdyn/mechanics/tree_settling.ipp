@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <span>
 #include <utility>
 #include <vector>
@@ -85,35 +86,86 @@ RBDYN_INLINE void TreeModel::settle_smooth(Mode& mode, double t, std::span<doubl
     if (candidates.empty()) return;
     const auto [b, noise] = opening(mode, t, x, candidates);
     const auto all = moving(t, x);
+    const auto depend = [&](const std::vector<int>& of) {
+        std::vector<int> rows = rows_;
+        for (const int k : of) rows.push_back(conditions_->normal_row(k));
+        return mechanics::independent_rows(*tree_, *conditions_, rows, all, rows_.size()).size() < rows.size();
+    };
+    // what has ended again at the instant at which loads were shared anew is at its edge
+    const bool is_at_edge = !doubtful.empty() && std::ranges::any_of(candidates, [&](int k) {
+        return before.slip[at(k)] == rests && mechanics::ContactMemory::of(before.memory, k).since == t;
+    });
     // forces that depend on each other: all are closed if there are such that push everywhere
-    if (doubtful.empty() || shares_load(before)) {
-        std::vector<int> every = rows_;
-        for (const int k : candidates) every.push_back(conditions_->normal_row(k));
-        const bool depends =
-            mechanics::independent_rows(*tree_, *conditions_, every, all, rows_.size()).size() < every.size();
-        if (depends && share_load(before, mode, t, all, candidates, b, noise)) {
+    if (doubtful.empty() || (shares_load(before) && !is_at_edge)) {
+        if (depend(candidates) && share_load(before, mode, t, all, candidates, b, noise)) {
             choose(mode, t, x, {}, true);
             return;
         }
     }
-    const auto found = mechanics::solve_complementary(coupling(all, candidates), b, noise);
+    const auto a = coupling(all, candidates);
+    const auto found = mechanics::solve_complementary(a, b, noise);
+    // what forces make of an acceleration, and take again, leaves its rounding
+    const auto is_level = [&](std::size_t i) {
+        double size = noise[i];
+        for (std::size_t j = 0; j < candidates.size(); ++j) size += 1e-13 * std::abs(a[i][j] * found.z[j]);
+        return std::abs(found.w[i]) <= 8.0 * size;
+    };
     std::vector<int> pushing = rows_, uncertain;
     for (std::size_t i = 0; i < candidates.size(); ++i) {
         const int k = candidates[i];
-        const bool is_doubtful = std::find(doubtful.begin(), doubtful.end(), k) != doubtful.end() ||
-                                 (found.z[i] <= 0.0 && std::abs(found.w[i]) <= 8.0 * noise[i]);
+        const bool is_doubtful =
+            std::find(doubtful.begin(), doubtful.end(), k) != doubtful.end() || (found.z[i] <= 0.0 && is_level(i));
         if (is_doubtful)
             uncertain.push_back(k);
         else if (found.z[i] > 0.0)
             pushing.push_back(conditions_->constraint_rows() + k);
     }
-    // of forces that depend on each other as many push as are independent, the others need none of their own
     const auto independent = mechanics::independent_rows(*tree_, *conditions_, pushing, all);
     const auto is_in = [&](const std::vector<int>& rows, int k) {
         return std::find(rows.begin(), rows.end(), conditions_->constraint_rows() + k) != rows.end();
     };
+    // beside what opens those whose forces depend on each other share the load: with what pushes what neither pushes
+    // nor opens as it is found, where all of them can, else as much of it as can between two bodies each
+    std::vector<int> sharing;
+    const Mode open = mode;
+    const auto shares = [&](const std::vector<int>& of) {
+        std::vector<double> asked, rounding;
+        for (std::size_t i = 0; i < candidates.size(); ++i)
+            if (std::ranges::find(of, candidates[i]) != of.end()) {
+                asked.push_back(b[i]);
+                rounding.push_back(noise[i]);
+            }
+        Mode tried = open;
+        if (!depend(of) || !share_load(before, tried, t, all, of, asked, rounding)) return false;
+        mode = std::move(tried);
+        sharing = of;
+        return true;
+    };
+    const auto joined = [&](const std::vector<int>& of, const mechanics::ContactLaw* between) {
+        std::vector<int> result;
+        for (const int k : candidates) {
+            const mechanics::ContactLaw& c = conditions_->contacts()[at(k)];
+            const bool is_near = between == nullptr || (c.a.body == between->a.body && c.b.body == between->b.body),
+                       is_uncertain = std::ranges::find(uncertain, k) != uncertain.end() &&
+                                      std::ranges::find(doubtful, k) == doubtful.end();
+            if (std::ranges::find(of, k) != of.end() || (is_uncertain && is_near)) result.push_back(k);
+        }
+        return result;
+    };
+    std::vector<int> bearing;
+    std::ranges::copy_if(candidates, std::back_inserter(bearing), [&](int k) { return is_in(pushing, k); });
+    if (const std::vector<int> every = joined(bearing, nullptr); depend(every) && !shares(every)) {
+        shares(bearing);
+        for (const int k : every) {
+            const std::vector<int>& now = sharing.empty() ? bearing : sharing;
+            if (std::ranges::find(now, k) != now.end()) continue;
+            shares(joined(now, &conditions_->contacts()[at(k)]));
+        }
+    }
+    std::erase_if(uncertain, [&](int k) { return std::ranges::find(sharing, k) != sharing.end(); });
+    // as many push as are independent, the others need no force of their own
     for (const int k : candidates)
-        if (is_in(pushing, k)) {
+        if (sharing.empty() && is_in(pushing, k)) {
             mode.slip[at(k)] = is_in(independent, k) ? pushes : rests;
             mechanics::ContactMemory().put(mode.memory, k);
         }
