@@ -65,8 +65,9 @@ public:
     void expand();
     /// The same, as they were computed side by side.
     SeriesAbreast::Motion motion() const { return {t_.hi, unit_, x_, series_->weights()}; }
-    /// Until the next step begins these are asked for more.
-    void take(const SeriesAbreast& abreast, int motion);
+    /// What was computed side by side, each motion's by its engine. Until their next steps begin these are asked for
+    /// more.
+    static void take(const SeriesAbreast& abreast, std::span<TaylorEngine* const> engines);
     const Program& program() const { return equations_->program; }
     int order() const { return order_; }
     /// Whether there are guards, of which one more coefficient is known than of rates.
@@ -121,6 +122,7 @@ private:
 
     Workshop& workshop_for(const Equations& equations);
 
+    void take(const SeriesAbreast& abreast, int motion);
     /// Takes the rest of coefficients that were computed side by side.
     void complete();
 

@@ -323,6 +323,30 @@ RBDYN_INLINE void TaylorEngine::expand() {
     series_->expand(order_, !equations_->guards.empty());
 }
 
+RBDYN_INLINE void TaylorEngine::take(const SeriesAbreast& abreast, std::span<TaylorEngine* const> engines) {
+    std::array<SeriesEvaluator*, SeriesAbreast::most> series{};
+    std::array<double, SeriesAbreast::most> scales{}, log_tolerances{};
+    const std::size_t count = engines.size();
+    for (std::size_t i = 0; i < count; ++i) {
+        series[i] = engines[i]->series_;
+        log_tolerances[i] = engines[i]->log_tolerance_;
+    }
+    abreast.give_states({series.data(), count});
+    const std::vector<VariableGroup>& groups = engines.front()->equations_->groups;
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+        std::size_t i = 0;
+        for (; i < count; ++i) {
+            const std::vector<VariableGroup>& own = engines[i]->equations_->groups;
+            if (g >= own.size() || own[g].first != groups[g].first || own[g].count != groups[g].count) break;
+            scales[i] = engines[i]->scales_.scale(own[g]);
+        }
+        if (i == count)
+            abreast.find_log_steps(groups[g].first, groups[g].count, {scales.data(), count},
+                                   {log_tolerances.data(), count});
+    }
+    for (std::size_t i = 0; i < count; ++i) engines[i]->take(abreast, static_cast<int>(i));
+}
+
 RBDYN_INLINE void TaylorEngine::take(const SeriesAbreast& abreast, int motion) {
     if (!abreast.is_good(motion)) return expand();
     series_->set_unit(unit_);
@@ -368,6 +392,12 @@ RBDYN_INLINE double TaylorEngine::step_length(double span) {
     double log_length = std::numeric_limits<double>::infinity();
     Sizes size;
     for (const VariableGroup& group : equations_->groups) {
+        if (abreast_ != nullptr) {
+            if (const auto known = abreast_->log_step(lane_, group.first, group.count)) {
+                log_length = std::min(log_length, *known);
+                continue;
+            }
+        }
         if (abreast_ != nullptr)
             abreast_->sizes(lane_, group.first, group.count, size.data());
         else
