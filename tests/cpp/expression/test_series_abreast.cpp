@@ -18,6 +18,7 @@
 #include "rbdyn/expression/series_evaluator.hpp"
 #include "rbdyn/expression/wide_series.hpp"
 #include "rbdyn/series/abreast.hpp"
+#include "rbdyn/series/coefficients.hpp"
 #include "rbdyn/series/step_length.hpp"
 
 #ifdef RBDYN_HAS_LANES
@@ -151,14 +152,16 @@ TEST(SeriesAbreast, have_the_bits_of_each_motion_alone_on_every_processor) {
                 abreast.expand(lanes, has_guards);
                 std::vector<std::unique_ptr<SeriesEvaluator>> given;
                 std::vector<SeriesEvaluator*> to;
-                std::vector<double> scales, log_tolerances;
+                std::vector<double> scales, log_tolerances, places;
                 for (std::size_t i = 0; i < all.size(); ++i) {
                     given.push_back(std::make_unique<SeriesEvaluator>(program, order));
                     to.push_back(given.back().get());
                     scales.push_back(random.uniform(0.0, 2.0));
                     log_tolerances.push_back(random.uniform(-50.0, -10.0));
+                    places.push_back(random.uniform(0.1, 1.5));
                 }
                 abreast.give_states(to);
+                abreast.find_increments(places);
                 for (const int count : {2, 3}) abreast.find_log_steps(3 - count, count, scales, log_tolerances);
                 for (std::size_t i = 0; i < all.size(); ++i) {
                     ASSERT_TRUE(abreast.is_good(static_cast<int>(i)));
@@ -171,6 +174,14 @@ TEST(SeriesAbreast, have_the_bits_of_each_motion_alone_on_every_processor) {
                             << slot;
                     for (int slot = 0; slot < 3; ++slot)
                         ASSERT_TRUE(are_same(some.coefficients(slot), alone[i]->coefficients(slot), order + 1));
+                    // what they add up to at the end of a step
+                    std::vector<double> powers{places[i]};
+                    while (powers.size() < static_cast<std::size_t>(order)) powers.push_back(powers.back() * places[i]);
+                    for (int slot = 0; slot < 3; ++slot) {
+                        const double sum = series::dot(alone[i]->coefficients(slot) + 1, powers.data(), order),
+                                     found = abreast.increment(static_cast<int>(i), slot);
+                        ASSERT_TRUE(are_same(&found, &sum, 1)) << order;
+                    }
                     // of two and of all three together, and zeros with their signs
                     for (const int count : {2, 3}) {
                         const auto rows = static_cast<std::size_t>(order + 1);

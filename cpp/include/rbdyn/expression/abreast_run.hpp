@@ -303,6 +303,15 @@ RBDYN_ABREAST void log_steps(Tape::Sizes& s, int order, const Tape::Block& scale
 }
 
 template <class Lanes>
+RBDYN_ABREAST void increments(Tape& tape, int count, int order, const Tape::Block& place, Tape::Block* out) {
+    Lanes* const powers = Tape::in<Lanes>(tape.powers);
+    kernels::powers(reinterpret_cast<const Lanes&>(place), order, powers);
+    for (int i = 0; i < count; ++i)
+        kernels::forward_dot(at(Tape::in<Lanes>(tape.cells), i * tape.stride) + 1, powers, order,
+                             reinterpret_cast<Lanes*>(out)[i]);
+}
+
+template <class Lanes>
 RBDYN_ABREAST void rows(Tape& tape, Tape::Place series, int count, double* const* to) {
     kernels::rows(at(Tape::in<Lanes>(tape.cells), series), count, to);
 }

@@ -75,6 +75,10 @@ public:
     /// What was found of a motion; none where log_step() is to be asked.
     std::optional<double> log_step(int motion, int first, int count) const;
 
+    /// What the inputs add up to from coefficient 1 on, of all motions, each at a place of its own.
+    void find_increments(std::span<const double> places) const;
+    double increment(int motion, int input) const;
+
     /// From now on by machine code at once, or not at all; else from when it pays. The same bits.
     void use_machine_code(bool is_used);
     bool has_machine_code() const { return code_ != nullptr; }

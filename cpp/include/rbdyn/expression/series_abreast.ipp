@@ -39,6 +39,9 @@ inline void log_steps_two_of_two(Tape::Sizes& s, int order, const Tape::Block& s
                                  const Tape::Block& log_tolerance) {
     log_steps<kernels::Four>(s, order, scale, log_tolerance);
 }
+inline void increments_two_of_two(Tape& tape, int count, int order, const Tape::Block& place, Tape::Block* out) {
+    increments<kernels::Four>(tape, count, order, place, out);
+}
 inline void rows_two_of_two(Tape& tape, Tape::Place series, int count, double* const* to) {
     rows<kernels::Four>(tape, series, count, to);
 }
@@ -62,8 +65,16 @@ __attribute__((target("avx512f"))) inline void log_steps_eight(Tape::Sizes& s, i
                                                                const Tape::Block& log_tolerance) {
     log_steps<kernels::Eight>(s, order, scale, log_tolerance);
 }
+__attribute__((target("avx2"))) inline void increments_four(Tape& tape, int count, int order, const Tape::Block& place,
+                                                            Tape::Block* out) {
+    increments<kernels::Four>(tape, count, order, place, out);
+}
 __attribute__((target("avx2"))) inline void rows_four(Tape& tape, Tape::Place series, int count, double* const* to) {
     rows<kernels::Four>(tape, series, count, to);
+}
+__attribute__((target("avx512f"))) inline void increments_eight(Tape& tape, int count, int order,
+                                                                const Tape::Block& place, Tape::Block* out) {
+    increments<kernels::Eight>(tape, count, order, place, out);
 }
 __attribute__((target("avx512f"))) inline void rows_eight(Tape& tape, Tape::Place series, int count,
                                                           double* const* to) {
@@ -133,18 +144,22 @@ RBDYN_INLINE SeriesAbreast::SeriesAbreast(const Program& program, int order, Pro
     tape.next.resize(blocks(static_cast<std::size_t>(tape.sum_count)));
     tape.part.resize(blocks(static_cast<std::size_t>(tape.part_count)));
     tape.next_part.resize(blocks(static_cast<std::size_t>(tape.part_count)));
+    tape.powers.resize(blocks(static_cast<std::size_t>(order)));
+    tape.increments_there.resize(blocks(static_cast<std::size_t>(inputs_)));
     tape.weights.resize(blocks(static_cast<std::size_t>(program.scalars())));
 #ifdef RBDYN_HAS_LANES
     tape.run = abreast::two_of_two;
     tape.sizes = abreast::sizes_two_of_two;
     tape.log_steps = abreast::log_steps_two_of_two;
     tape.to_rows = abreast::rows_two_of_two;
+    tape.increments = abreast::increments_two_of_two;
 #if defined(__x86_64__)
     if (processor == Processor::four) {
         tape.run = abreast::four;
         tape.sizes = abreast::sizes_four;
         tape.log_steps = abreast::log_steps_four;
         tape.to_rows = abreast::rows_four;
+        tape.increments = abreast::increments_four;
         tape.instruct = abreast::instruct_four;
     }
     if (processor == Processor::eight) {
@@ -152,6 +167,7 @@ RBDYN_INLINE SeriesAbreast::SeriesAbreast(const Program& program, int order, Pro
         tape.sizes = abreast::sizes_eight;
         tape.log_steps = abreast::log_steps_eight;
         tape.to_rows = abreast::rows_eight;
+        tape.increments = abreast::increments_eight;
         tape.instruct = abreast::instruct_eight;
     }
 #endif
@@ -295,6 +311,15 @@ RBDYN_INLINE std::optional<double> SeriesAbreast::log_step(int motion, int first
     const abreast::Tape::Sizes& s = tape_->all_sizes[sizes_of(first, count)];
     if (!s.has_steps || std::bit_cast<std::uint64_t>(s.is_known.lanes[motion]) == 0) return std::nullopt;
     return s.log_step.lanes[motion];
+}
+
+RBDYN_INLINE void SeriesAbreast::find_increments(std::span<const double> places) const {
+    for (std::size_t l = 0; l < most; ++l) tape_->places.lanes[l] = places[l < places.size() ? l : 0];
+    tape_->increments(*tape_, inputs_, order_, tape_->places, tape_->increments_there.data());
+}
+
+RBDYN_INLINE double SeriesAbreast::increment(int motion, int input) const {
+    return tape_->increments_there.data()->lanes[input * width_ + motion];
 }
 
 RBDYN_INLINE std::size_t SeriesAbreast::sizes_of(int first, int count) const {
