@@ -54,7 +54,9 @@ RBDYN_INLINE void MachineCodeWriter::share_middles() {
     for (int lanes = all; lanes > 0; --lanes)
         for (std::size_t i = 0; i < products.size(); ++i) {
             if (shares_[i].lanes != lanes) continue;
-            auto room = std::ranges::find_if(rooms, [&](const Room& r) { return r.lanes + lanes <= all; });
+            auto room = rooms.end();
+            if (are_ahead() && lanes < all)
+                room = std::ranges::find_if(rooms, [&](const Room& r) { return r.lanes + lanes <= all; });
             if (room == rooms.end()) room = rooms.insert(rooms.end(), {{}, 0});
             shares_[i].lane = room->lanes;
             room->lanes += lanes;
@@ -127,10 +129,10 @@ RBDYN_INLINE void MachineCodeWriter::pack(const series::LaneValues* series, Vect
 RBDYN_INLINE void MachineCodeWriter::set_middles() {
     using enum machine_code::Register;
     c_.move(r11, At{di, offsetof(Frame, middles)});
-    if (order_ != Order::odd) return;
+    if (order_ != (are_ahead() ? Order::odd : Order::even)) return;
     c_.move(r10, static_cast<std::uint64_t>(64 * pairs()));
     c_.move(cx, r8);
-    c_.add(cx, 1);
+    if (are_ahead()) c_.add(cx, 1);
     c_.compare(cx, At{di, offsetof(Frame, end)});
     const std::size_t past = c_.jump_if(Assembler::When::at_least);
     c_.shift_right(cx, 1);
@@ -140,11 +142,12 @@ RBDYN_INLINE void MachineCodeWriter::set_middles() {
     c_.land(past);
     c_.address(ax, At{r13, 64});
     c_.subtract(ax, r10);
-    c_.move(dx, r12);
+    c_.address(dx, At{r12, before_middle()});
     c_.add(dx, r10);
 }
 
-/// Of the even order after this one. In a and b what it adds to that order, in c and d to the next one.
+/// Of the even order after this one, or of this one if it is even. In a and b what it adds to that order, in c and d to
+/// the next one.
 RBDYN_INLINE void MachineCodeWriter::middle(std::size_t index) {
     using enum machine_code::Register;
     constexpr Vector a = 0, b = 1, c = 2, d = 3, even = 4, odd = 5, product = 6, above = 7;
@@ -165,7 +168,7 @@ RBDYN_INLINE void MachineCodeWriter::middle(std::size_t index) {
         c_.subtract(di, r13);
         c_.add(di, r11);
     }
-    c_.load_four(above, At{is_packed ? di : r12, y});
+    c_.load_four(above, At{is_packed ? di : r12, y + before_middle()});
     c_.multiply_four(b, above, At{is_packed ? r11 : r13, x + 32});
     for (const Vector sum : {a, c, d}) c_.clear(sum);
     if (pairs() > 0) {
@@ -189,6 +192,7 @@ RBDYN_INLINE void MachineCodeWriter::middle(std::size_t index) {
         c_.multiply_four(product, odd, right(1));
         c_.add_four(d, d, product);
     }
+    if (!are_ahead()) return;
     for (const Vector sum : {a, b, c, d}) c_.store_four(At{r11, in_middles(index) + 32 * sum}, sum);
     if (is_packed) go(r11, r13);
 }

@@ -137,6 +137,12 @@ private:
     void set_middles();
     void middle(std::size_t index);
     At middle_of(const Share& share, int part) const;
+    /// Whether middles are computed an order before they are asked for: where there are so many that they would not
+    /// stay near the processor until then they are computed when they are, in registers.
+    bool are_ahead() const { return e_.lane_products_.size() <= most_ahead; }
+    static constexpr std::size_t most_ahead = 20;
+    /// From an order's lanes to those of the order before its middles.
+    std::ptrdiff_t before_middle() const { return are_ahead() ? 0 : -32; }
     // behind one vector, for who reads lanes before the first one
     static std::ptrdiff_t in_middles(std::size_t middle) { return 32 + 128 * static_cast<std::ptrdiff_t>(middle); }
     std::ptrdiff_t in_packed(int packed) const { return in_middles(middles_.size()) + 32 * (e_.top_ + 1) * packed; }

@@ -267,7 +267,7 @@ RBDYN_INLINE void MachineCodeWriter::sums(const SeriesEvaluator::Sums& s) {
         for (const auto* m = s.mixed; m != s.mixed_end; ++m)
             if (m->lane >= first && m->lane < first + 4) mixed(*m, sum);
     }
-    if (order_ == Order::odd)
+    if (order_ == Order::odd && are_ahead())
         for (std::size_t i = 0; i < middles_.size(); ++i) {
             const series::LaneProduct* const last = &e_.lane_products_[middles_[i].last];
             if (last >= s.sum->first && last < (s.sum_end - 1)->last) middle(i);
@@ -340,10 +340,29 @@ RBDYN_INLINE void MachineCodeWriter::even(const series::LaneSum& s) {
     using enum machine_code::Register;
     // of order k in a and b, of order k + 1 in c and d
     constexpr Vector a = 0, b = 1, c = 2, d = 3;
+    const auto add = [this](Vector first, Vector second, Vector third, Vector fourth, bool is_first) {
+        c_.add_four(first, first, second);
+        c_.add_four(sum_lanes, is_first ? zero : sum_lanes, first);
+        c_.add_four(third, third, fourth);
+        c_.add_four(next_lanes, is_first ? zero : next_lanes, third);
+    };
     for (const auto* p = s.first; p != s.last; ++p) {
         const Share& share = shares_[static_cast<std::size_t>(p - e_.lane_products_.data())];
         const std::ptrdiff_t x = in_lanes(p->x), y = in_lanes(p->y);
+        if (!are_ahead()) middle(share.middle);
         const Vector x_k = value(p->x, 4), y_k = value(p->y, 5);
+        if (!are_ahead()) {
+            c_.multiply_four(6, y_k, At{r13, x + 32});
+            c_.add_four(c, c, 6);
+            c_.multiply_four(7, x_k, At{r13, y + 32});
+            c_.add_four(d, d, 7);
+            c_.multiply_four(6, y_k, At{r13, x});
+            c_.add_four(a, a, 6);
+            c_.multiply_four(7, x_k, At{r13, y});
+            c_.add_four(b, b, 7);
+            add(a, b, c, d, p == s.first);
+            continue;
+        }
         c_.multiply_four(c, y_k, At{r13, x + 32});
         c_.multiply_four(d, x_k, At{r13, y + 32});
         c_.multiply_four(a, y_k, At{r13, x});
@@ -358,10 +377,7 @@ RBDYN_INLINE void MachineCodeWriter::even(const series::LaneSum& s) {
                 c_.add_four(part, part, 6);
             }
         }
-        c_.add_four(a, a, b);
-        c_.add_four(c, c, d);
-        c_.add_four(sum_lanes, p == s.first ? zero : sum_lanes, a);
-        c_.add_four(next_lanes, p == s.first ? zero : next_lanes, c);
+        add(a, b, c, d, p == s.first);
     }
     c_.store_four(next_of(s), next_lanes);
 }
