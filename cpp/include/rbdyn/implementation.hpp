@@ -104,6 +104,7 @@
 #include "rbdyn/expression/gradient.ipp"
 #include "rbdyn/expression/hidden_terms.ipp"
 #include "rbdyn/expression/machine_code.ipp"
+#include "rbdyn/expression/machine_code_middle.ipp"
 #include "rbdyn/expression/machine_code_steps.ipp"
 #include "rbdyn/expression/machine_code_writer.ipp"
 #include "rbdyn/expression/node.ipp"

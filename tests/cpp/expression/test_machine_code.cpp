@@ -100,6 +100,37 @@ TEST(MachineCode, has_the_bits_of_the_lists_for_random_programs) {
     }
 }
 
+// an even order by itself goes on with what the one before it has left
+TEST(MachineCode, has_the_bits_of_the_lists_when_orders_are_asked_for_one_by_one_and_again) {
+    if (!is_made()) GTEST_SKIP() << "no machine code here";
+    Random random(11);
+    for (int trial = 0; trial < 60; ++trial) {
+        const Program program = random_program(random, random.whole(1, 6));
+        const int order = random.whole(5, 24);
+        SeriesEvaluator by_code(program, order), by_lists(program, order);
+        by_code.use_machine_code(true);
+        by_lists.use_machine_code(false);
+        for (const Start& start : starts(random, program, 3)) {
+            for (SeriesEvaluator* series : {&by_code, &by_lists}) {
+                series->set_parameters(start.parameters);
+                series->begin(start.t, start.unit);
+                for (std::size_t i = 0; i < start.x.size(); ++i) series->set_input(static_cast<int>(i), 0, start.x[i]);
+            }
+            for (int k = 0; k <= order; ++k) {
+                const int times = random.whole(1, 2);
+                for (SeriesEvaluator* series : {&by_code, &by_lists}) {
+                    for (int i = 0; i < times; ++i) series->advance(k);
+                    if (k < order) series->integrate(k);
+                }
+                for (int slot = 0; slot < program.slots(); ++slot)
+                    ASSERT_TRUE(are_same(by_code.coefficients(slot)[k], by_lists.coefficients(slot)[k]))
+                        << trial << " " << slot << " " << k << "\n"
+                        << program.text();
+            }
+        }
+    }
+}
+
 TEST(MachineCode, has_the_bits_of_the_lists_from_order_0_on_where_nothing_can_overflow) {
     if (!is_made()) GTEST_SKIP() << "no machine code here";
     Recorder r;

@@ -18,6 +18,7 @@
 #include "rbdyn/expression/series_evaluator.hpp"
 #include "rbdyn/expression/wide_series.hpp"
 #include "rbdyn/series/abreast.hpp"
+#include "rbdyn/series/coefficients.hpp"
 #include "rbdyn/series/step_length.hpp"
 
 #ifdef RBDYN_HAS_LANES
@@ -133,6 +134,7 @@ TEST(SeriesAbreast, have_the_bits_of_each_motion_alone_on_every_processor) {
     for (const Instruction& i : program.instructions()) codes.insert(i.code);
     EXPECT_EQ(codes.size(), 15U) << program.text();  // all but calls
     Random random(1);
+    int steps_found = 0;
     for (const SeriesAbreast::Processor processor : SeriesAbreast::processors())
         for (const int order : {12, 13, 20, 24}) {
             SeriesAbreast abreast(program, order, processor);
@@ -148,9 +150,22 @@ TEST(SeriesAbreast, have_the_bits_of_each_motion_alone_on_every_processor) {
                     lanes.push_back({motion.t, motion.unit, motion.x, alone.back()->weights()});
                 }
                 abreast.expand(lanes, has_guards);
+                std::vector<std::unique_ptr<SeriesEvaluator>> given;
+                std::vector<SeriesEvaluator*> to;
+                std::vector<double> scales, log_tolerances, places;
+                for (std::size_t i = 0; i < all.size(); ++i) {
+                    given.push_back(std::make_unique<SeriesEvaluator>(program, order));
+                    to.push_back(given.back().get());
+                    scales.push_back(random.uniform(0.0, 2.0));
+                    log_tolerances.push_back(random.uniform(-50.0, -10.0));
+                    places.push_back(random.uniform(0.1, 1.5));
+                }
+                abreast.give_states(to);
+                abreast.find_increments(places);
+                for (const int count : {2, 3}) abreast.find_log_steps(3 - count, count, scales, log_tolerances);
                 for (std::size_t i = 0; i < all.size(); ++i) {
                     ASSERT_TRUE(abreast.is_good(static_cast<int>(i)));
-                    SeriesEvaluator all_of_it(program, order), some(program, order);
+                    SeriesEvaluator all_of_it(program, order), &some = *given[i];
                     abreast.give_all(static_cast<int>(i), all_of_it, has_guards);
                     const std::vector<int> last = {program.output(6)};
                     abreast.give(static_cast<int>(i), some, last, has_guards);
@@ -159,6 +174,14 @@ TEST(SeriesAbreast, have_the_bits_of_each_motion_alone_on_every_processor) {
                             << slot;
                     for (int slot = 0; slot < 3; ++slot)
                         ASSERT_TRUE(are_same(some.coefficients(slot), alone[i]->coefficients(slot), order + 1));
+                    // what they add up to at the end of a step
+                    std::vector<double> powers{places[i]};
+                    while (powers.size() < static_cast<std::size_t>(order)) powers.push_back(powers.back() * places[i]);
+                    for (int slot = 0; slot < 3; ++slot) {
+                        const double sum = series::dot(alone[i]->coefficients(slot) + 1, powers.data(), order),
+                                     found = abreast.increment(static_cast<int>(i), slot);
+                        ASSERT_TRUE(are_same(&found, &sum, 1)) << order;
+                    }
                     // of two and of all three together, and zeros with their signs
                     for (const int count : {2, 3}) {
                         const auto rows = static_cast<std::size_t>(order + 1);
@@ -170,6 +193,12 @@ TEST(SeriesAbreast, have_the_bits_of_each_motion_alone_on_every_processor) {
                             series::widen(one_by_one.data(), alone[i]->coefficients(slot), order);
                         ASSERT_TRUE(are_same(ours.data(), theirs.data(), order + 1));
                         ASSERT_TRUE(are_same(ours.data(), one_by_one.data(), order + 1));
+                        // how long a step may be by them
+                        const double length = series::log_step(theirs.data(), order, scales[i], log_tolerances[i]);
+                        if (const auto found = abreast.log_step(static_cast<int>(i), 3 - count, count)) {
+                            ASSERT_TRUE(are_same(&*found, &length, 1)) << order;
+                            ++steps_found;
+                        }
                     }
                     ASSERT_TRUE(are_same(some.output(6), alone[i]->output(6), order + 1));
                     for (const int k : {0, order - 1}) {
@@ -179,6 +208,7 @@ TEST(SeriesAbreast, have_the_bits_of_each_motion_alone_on_every_processor) {
                 }
             }
         }
+    EXPECT_GT(steps_found, 1000);
 }
 
 TEST(SeriesAbreast, say_of_one_motion_that_it_is_to_be_computed_alone_and_have_the_others) {

@@ -264,7 +264,8 @@ TEST(Abreast, guards_of_members_have_the_sizes_that_they_have_alone) {
     SeriesAbreast abreast(e.program, member.order());
     const std::vector<SeriesAbreast::Motion> motions{member.motion()};
     abreast.expand(motions, member.has_guards());
-    member.take(abreast, 0);
+    TaylorEngine* const engines[] = {&member};
+    TaylorEngine::take(abreast, engines);
     ASSERT_EQ(member.end_step(), StepStatus::ok);
     std::vector<double> own(static_cast<std::size_t>(alone.guard_order()) + 1), sizes(own.size());
     alone.guard_sizes(0, own.data());

@@ -65,8 +65,9 @@ public:
     void expand();
     /// The same, as they were computed side by side.
     SeriesAbreast::Motion motion() const { return {t_.hi, unit_, x_, series_->weights()}; }
-    /// Until the next step begins these are asked for more.
-    void take(const SeriesAbreast& abreast, int motion);
+    /// What was computed side by side, each motion's by its engine. Until their next steps begin these are asked for
+    /// more.
+    static void take(const SeriesAbreast& abreast, std::span<TaylorEngine* const> engines);
     const Program& program() const { return equations_->program; }
     int order() const { return order_; }
     /// Whether there are guards, of which one more coefficient is known than of rates.
@@ -121,6 +122,7 @@ private:
 
     Workshop& workshop_for(const Equations& equations);
 
+    void take(const SeriesAbreast& abreast, int motion);
     /// Takes the rest of coefficients that were computed side by side.
     void complete();
 
@@ -153,6 +155,8 @@ private:
     /// Takes from the series what the projection takes from a state at a place of the expansion, off_at()'s: of
     /// positions from the coefficients of the square of time, of others from those of time. Returns what these were.
     std::vector<double> straighten(double tau);
+    /// Where a step ends that nothing but its series limits: the place in time is exact.
+    double probable_end() const;
     /// The state at a place of the expansion, as what is nearest to it and what that is short of it.
     void add_up(double tau, std::span<double> x, std::span<double> low) const;
     static bool has_roots(const Program& program);
@@ -184,6 +188,7 @@ private:
     const std::vector<int>* looked_at_ = nullptr;
     const SeriesAbreast* abreast_ = nullptr;  // has the rest of its coefficients; null: there is none
     int lane_ = 0;
+    double probable_ = 0.0;         // place of its end, at which the sums are there, too; 0: at none
     std::optional<double> length_;  // of the step by its series, where that was computed with those side by side
     std::vector<std::pair<const Equations*, std::unique_ptr<Workshop>>> workshops_;
     double unit_ = 0.0, natural_ = 0.0;

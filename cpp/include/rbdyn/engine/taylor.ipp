@@ -199,9 +199,10 @@ RBDYN_INLINE void TaylorEngine::add_up(double tau, std::span<double> x, std::spa
     const int n = equations_->variables();
     const double* row = series_->rows(0, n);
     std::array<double, max_order> power;
-    series::powers(tau, order_, power.data());
+    const bool is_there = abreast_ != nullptr && tau == probable_;
+    if (!is_there) series::powers(tau, order_, power.data());
     for (int i = 0; i < n; ++i, row += series_->stride()) {
-        const double increment = series::dot(row + 1, power.data(), order_);
+        const double increment = is_there ? abreast_->increment(lane_, i) : series::dot(row + 1, power.data(), order_);
         const Instant sum = exact_sum(x_[at(i)], increment + low_[at(i)]);
         x[at(i)] = sum.hi;
         low[at(i)] = sum.lo;
@@ -323,6 +324,40 @@ RBDYN_INLINE void TaylorEngine::expand() {
     series_->expand(order_, !equations_->guards.empty());
 }
 
+RBDYN_INLINE void TaylorEngine::take(const SeriesAbreast& abreast, std::span<TaylorEngine* const> engines) {
+    std::array<SeriesEvaluator*, SeriesAbreast::most> series{};
+    std::array<double, SeriesAbreast::most> scales{}, log_tolerances{};
+    const std::size_t count = engines.size();
+    for (std::size_t i = 0; i < count; ++i) {
+        series[i] = engines[i]->series_;
+        log_tolerances[i] = engines[i]->log_tolerance_;
+    }
+    abreast.give_states({series.data(), count});
+    const std::vector<VariableGroup>& groups = engines.front()->equations_->groups;
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+        std::size_t i = 0;
+        for (; i < count; ++i) {
+            const std::vector<VariableGroup>& own = engines[i]->equations_->groups;
+            if (g >= own.size() || own[g].first != groups[g].first || own[g].count != groups[g].count) break;
+            scales[i] = engines[i]->scales_.scale(own[g]);
+        }
+        if (i == count)
+            abreast.find_log_steps(groups[g].first, groups[g].count, {scales.data(), count},
+                                   {log_tolerances.data(), count});
+    }
+    std::array<double, SeriesAbreast::most> ends{};
+    for (std::size_t i = 0; i < count; ++i) {
+        engines[i]->take(abreast, static_cast<int>(i));
+        ends[i] = engines[i]->probable_ = engines[i]->abreast_ != nullptr ? engines[i]->probable_end() : 0.0;
+    }
+    abreast.find_increments({ends.data(), count});
+}
+
+RBDYN_INLINE double TaylorEngine::probable_end() const {
+    const double span = limit_ - t_, h = *length_ * unevenness() * unit_;
+    return (h < span ? (t_.hi + h) - t_.hi : span) / unit_;
+}
+
 RBDYN_INLINE void TaylorEngine::take(const SeriesAbreast& abreast, int motion) {
     if (!abreast.is_good(motion)) return expand();
     series_->set_unit(unit_);
@@ -368,6 +403,12 @@ RBDYN_INLINE double TaylorEngine::step_length(double span) {
     double log_length = std::numeric_limits<double>::infinity();
     Sizes size;
     for (const VariableGroup& group : equations_->groups) {
+        if (abreast_ != nullptr) {
+            if (const auto known = abreast_->log_step(lane_, group.first, group.count)) {
+                log_length = std::min(log_length, *known);
+                continue;
+            }
+        }
         if (abreast_ != nullptr)
             abreast_->sizes(lane_, group.first, group.count, size.data());
         else
@@ -506,6 +547,8 @@ RBDYN_INLINE Projection::Off TaylorEngine::off_at(double tau) {
 RBDYN_INLINE std::vector<double> TaylorEngine::straighten(double tau) {
     const std::vector<double> x = end_, low = end_low_;
     std::vector<double> was(x.size());
+    // the series are others from here on
+    probable_ = 0.0;
     projection_->apply(end_, end_low_, tau * unit_, t_.hi + tau * unit_);
     for (int i = 0; i < equations_->variables(); ++i) {
         const double change = (end_[at(i)] - x[at(i)]) + (end_low_[at(i)] - low[at(i)]);

@@ -77,6 +77,7 @@ private:
     std::vector<std::unique_ptr<AbreastShape>> shapes_;
     std::vector<RunAbreast*> chosen_;
     std::vector<SeriesAbreast::Motion> motions_;
+    std::vector<TaylorEngine*> engines_;
 };
 
 }  // namespace rbdyn::inline RBDYN_FORM

@@ -140,7 +140,9 @@ RBDYN_INLINE void Abreast::turn(const std::vector<RunAbreast*>& runs) {
             whole = whole || run->engine_->has_guards();
         }
         series.expand(motions_, whole);
-        for (std::size_t i = 0; i < chosen_.size(); ++i) chosen_[i]->engine_->take(series, static_cast<int>(i));
+        engines_.clear();
+        for (RunAbreast* run : chosen_) engines_.push_back(run->engine_.get());
+        TaylorEngine::take(series, engines_);
     }
     for (RunAbreast* run : chosen_) run->go_on();
     const double took = std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();

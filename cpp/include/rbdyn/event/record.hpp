@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "rbdyn/basics/form.hpp"
@@ -82,15 +83,28 @@ public:
     static double tau(const Piece& piece, double t);
 
 private:
+    /// Doubles that are written before they are read.
+    struct Unwritten : std::allocator<double> {
+        template <class Other>
+        struct rebind {
+            using other = std::conditional_t<std::is_same_v<Other, double>, Unwritten, std::allocator<Other>>;
+        };
+        template <class... From>
+        void construct(double* place, const From&... from) {
+            if constexpr (sizeof...(From) > 0) *place = (from, ...);
+        }
+    };
+    using Block = std::vector<double, Unwritten>;
+
     // doubles in a block: never moved, for coefficients are most of what a run writes; small at first, and not so large
     // that memory comes from the system a block at a time
     static constexpr std::size_t first_block = 128, largest_block = 1 << 21;
 
     /// The last block, or a new one if it has no room for `count` more.
-    std::vector<double>& block_for(std::size_t count);
+    Block& block_for(std::size_t count);
 
     std::vector<Entry> entries_;
-    std::vector<std::vector<double>> blocks_;
+    std::vector<Block> blocks_;
 };
 
 /// The index of the entry that holds time t; none if the record has no pieces. Throws InvalidInput for a time it does

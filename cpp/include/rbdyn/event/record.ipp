@@ -16,6 +16,7 @@
 #include "rbdyn/basics/instant.hpp"
 #include "rbdyn/closed_form/closed_form.hpp"
 #include "rbdyn/event/event.hpp"
+#include "rbdyn/series/lanes.hpp"
 #include "rbdyn/series/piece.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
@@ -27,14 +28,19 @@ RBDYN_INLINE Piece Record::piece(std::size_t index) const {
 
 RBDYN_INLINE void Record::append(const Piece& piece, double length, int mode, bool after_event) {
     const auto row = static_cast<std::size_t>(piece.order + 1), count = static_cast<std::size_t>(variables) * row;
-    std::vector<double>& block = block_for(count);
+    Block& block = block_for(count);
     const std::size_t offset = block.size();
+    block.resize(offset + count);
+    double* to = block.data() + offset;
     if (piece.stride == 0 || piece.stride == piece.order + 1) {
-        block.insert(block.end(), piece.coefficients, piece.coefficients + count);
+        std::copy_n(piece.coefficients, count, to);
     } else {
-        for (int i = 0; i < variables; ++i) {
+        // rows are too short for a call each
+        for (int i = 0; i < variables; ++i, to += row) {
             const double* const from = piece.variable(i);
-            block.insert(block.end(), from, from + row);
+            std::size_t k = 0;
+            for (; k + 2 <= row; k += 2) series::set_pair(to + k, series::pair_at(from + k));
+            if (k < row) to[k] = from[k];
         }
     }
     entries_.push_back({piece.start, piece.unit, length, piece.order, mode, blocks_.size() - 1, offset, after_event});
@@ -56,7 +62,8 @@ RBDYN_INLINE void Record::note(Event event) {
 RBDYN_INLINE void Record::keep_only(std::vector<double> times) {
     std::sort(times.begin(), times.end());
     const std::vector<Entry> entries = std::exchange(entries_, {});
-    const std::vector<std::vector<double>> blocks = std::exchange(blocks_, {}), all = std::exchange(windings, {});
+    const std::vector<Block> blocks = std::exchange(blocks_, {});
+    const std::vector<std::vector<double>> all = std::exchange(windings, {});
     for (std::size_t i = 0; i < entries.size(); ++i) {
         const Entry& e = entries[i];
         const Piece piece{e.start,    e.unit, e.length, variables, e.order, blocks[e.block].data() + e.offset,
@@ -105,7 +112,7 @@ RBDYN_INLINE void Record::drop_before(double t) {
 RBDYN_INLINE double Record::bytes() const {
     const auto size = [](const auto& all) { return static_cast<double>(all.size() * sizeof(all[0])); };
     double sum = size(entries_) + size(events) + size(modes) + size(windings);
-    for (const std::vector<double>& block : blocks_) sum += size(block);
+    for (const Block& block : blocks_) sum += size(block);
     if (!windings.empty()) sum += static_cast<double>(windings.size()) * size(windings.back());
     if (!modes.empty()) {
         const Mode& m = modes.back();
@@ -130,7 +137,7 @@ RBDYN_INLINE double Record::tau(const Piece& piece, double t) {
     return std::clamp(piece.tau(t), 0.0, piece.length);
 }
 
-RBDYN_INLINE std::vector<double>& Record::block_for(std::size_t count) {
+RBDYN_INLINE Record::Block& Record::block_for(std::size_t count) {
     if (blocks_.empty() || blocks_.back().capacity() - blocks_.back().size() < count) {
         const std::size_t next = blocks_.empty() ? first_block : 4 * blocks_.back().capacity();
         blocks_.emplace_back().reserve(std::max(count, std::min(next, largest_block)));

@@ -12,6 +12,7 @@
 #include "rbdyn/expression/abreast_code.hpp"
 #include "rbdyn/expression/abreast_tape.hpp"
 #include "rbdyn/expression/program.hpp"
+#include "rbdyn/series/step_length_abreast.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::abreast {
 
@@ -291,6 +292,28 @@ template <class Lanes>
 RBDYN_ABREAST void sizes(Tape& tape, Tape::Place first, int count, int order, Tape::Block* out) {
     const auto stride = tape.stride / static_cast<Tape::Place>(sizeof(Lanes));
     kernels::sizes(at(Tape::in<Lanes>(tape.cells), first), stride, count, order, reinterpret_cast<Lanes*>(out));
+}
+
+template <class Lanes>
+RBDYN_ABREAST void log_steps(Tape::Sizes& s, int order, const Tape::Block& scale, const Tape::Block& log_tolerance) {
+    kernels::WholeOf<Lanes> is_known;
+    kernels::log_step(Tape::in<Lanes>(s.values), order, reinterpret_cast<const Lanes&>(scale),
+                      reinterpret_cast<const Lanes&>(log_tolerance), Tape::in<Lanes>(s.log_step), is_known);
+    kernels::of_bits(is_known, Tape::in<Lanes>(s.is_known));
+}
+
+template <class Lanes>
+RBDYN_ABREAST void increments(Tape& tape, int count, int order, const Tape::Block& place, Tape::Block* out) {
+    Lanes* const powers = Tape::in<Lanes>(tape.powers);
+    kernels::powers(reinterpret_cast<const Lanes&>(place), order, powers);
+    for (int i = 0; i < count; ++i)
+        kernels::forward_dot(at(Tape::in<Lanes>(tape.cells), i * tape.stride) + 1, powers, order,
+                             reinterpret_cast<Lanes*>(out)[i]);
+}
+
+template <class Lanes>
+RBDYN_ABREAST void rows(Tape& tape, Tape::Place series, int count, double* const* to) {
+    kernels::rows(at(Tape::in<Lanes>(tape.cells), series), count, to);
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM::abreast

@@ -60,6 +60,8 @@ struct Tape {
     struct Sizes {
         int first = 0, count = 0;
         std::vector<Block> values;
+        Block log_step{}, is_known{};  // of the steps that they allow; bits other than zero where that is known
+        bool has_steps = false;
     };
 
     std::vector<Scale> scales;
@@ -79,12 +81,20 @@ struct Tape {
     Block t{}, unit{}, check{};
     std::array<bool, most> begins_at_zero{};  // a norm
     std::vector<Sizes> all_sizes;
+    Block places{};  // of these increments
+    std::vector<Block> increments_there, powers;
     std::size_t known_sizes = 0;  // those of the expansion
     /// By weight: what is one or minus one in the program; 0: anything.
     std::vector<signed char> ones;
     void (*run)(Tape&, int order, bool whole, const AbreastCode* code) = nullptr;
     /// The sizes of `count` series together, from the one at a place on: by order.
     void (*sizes)(Tape&, Place first, int count, int order, Block* out) = nullptr;
+    /// How long steps may be by these sizes.
+    void (*log_steps)(Sizes&, int order, const Block& scale, const Block& log_tolerance) = nullptr;
+    /// What each of the first `count` series adds up to from its coefficient 1 on, at a place of each motion's own.
+    void (*increments)(Tape&, int count, int order, const Block& place, Block* out) = nullptr;
+    /// A series' coefficients to a row of each motion; those without one are left out.
+    void (*to_rows)(Tape&, Place series, int count, double* const* to) = nullptr;
     /// Coefficient k of what one of the others gives.
     void (*instruct)(Tape&, const Other&, int k) = nullptr;
 

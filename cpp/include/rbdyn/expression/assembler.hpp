@@ -60,6 +60,7 @@ public:
     void low_lanes(Vector to, Vector a, Vector b) { vex(to, a, b, Map::plain, Prefix::x66, false, 0x14); }
     void high_lanes(Vector to, Vector a, Vector b) { vex(to, a, b, Map::plain, Prefix::x66, false, 0x15); }
     void clear(Vector to) { vex(to, to, to, Map::plain, Prefix::x66, false, 0x57); }
+    void store_two(At to, Vector from) { vex(from, 0, to, Map::plain, Prefix::x66, false, 0x11); }
     void add_two(Vector to, Vector a, Vector b) { vex(to, a, b, Map::plain, Prefix::x66, false, 0x58); }
 
     // four lanes
@@ -79,6 +80,15 @@ public:
     void upper_half(Vector to, Vector from) {
         vex(from, 0, to, Map::x3a, Prefix::x66, true, 0x19);
         put({1});
+    }
+    void upper_half(At to, Vector from) {
+        vex(from, 0, to, Map::x3a, Prefix::x66, true, 0x19);
+        put({1});
+    }
+    /// Of b the lanes whose bit is set, of a the others.
+    void blend(Vector to, Vector a, At b, std::uint8_t bits) {
+        vex(to, a, b, Map::x3a, Prefix::x66, true, 0x0d);
+        put({bits});
     }
     // all lanes
     void load_all(Vector to, At from) { all(to, 0, from, 0x10); }

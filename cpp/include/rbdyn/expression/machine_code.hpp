@@ -8,9 +8,12 @@
 #include <cstddef>
 #include <memory>
 #include <utility>
+#include <vector>
 
 #include "rbdyn/basics/form.hpp"
+#include "rbdyn/basics/large_memory.hpp"
 #include "rbdyn/expression/code_memory.hpp"
+#include "rbdyn/series/product_sums.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
@@ -24,18 +27,27 @@ public:
     /// Whether this library can make any (its CMake option RBDYN_MACHINE_CODE).
     static bool is_built() { return CodeMemory::is_built(); }
     /// Of an evaluator's lists; none where there is none to be had, or it would not pay.
-    static std::unique_ptr<const MachineCode> of(const SeriesEvaluator& series);
+    static std::unique_ptr<MachineCode> of(const SeriesEvaluator& series);
 
     /// Orders first .. last - 1 of the evaluator.
-    void run(SeriesEvaluator& series, int first, int last, bool integrates) const;
+    void run(SeriesEvaluator& series, int first, int last, bool integrates);
+    /// Whether it can do an order by itself: an even one needs what the code computed at the one before it.
+    bool can_begin(int order) const { return order == 0 || order % 2 != 0 || order == known_middles_; }
+    /// The lists have computed an order.
+    void pass() { known_middles_ = -1; }
     std::size_t size() const { return memory_.size(); }
 
 private:
     friend class MachineCodeWriter;
     struct Frame;
-    explicit MachineCode(CodeMemory memory) : memory_(std::move(memory)) {}
+    MachineCode(CodeMemory memory, std::size_t middles, int top)
+        : memory_(std::move(memory)), middles_(middles), factors_(static_cast<std::size_t>(top) + 1) {}
 
     CodeMemory memory_;
+    LargeVector<series::LaneValues> middles_;  // machine_code_middle.ipp
+    int known_middles_ = -1;                   // of that order
+    double unit_ = 0.0;
+    std::vector<double> factors_;  // by which a rate's coefficient k is its variable's k + 1, in that unit
 };
 
 }  // namespace rbdyn::inline RBDYN_FORM

@@ -185,7 +185,7 @@ RBDYN_INLINE void MachineCodeWriter::norm(const Step& s) {
     c_.divide_one(5, 5, 4);
     c_.store(newest(s.out.forward), 5);
     c_.store(backwards(s.out.last), 5);
-    detours_.push_back({from, c_.size(), &s});
+    detours_.push_back({from, c_.size(), &s, order_});
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM

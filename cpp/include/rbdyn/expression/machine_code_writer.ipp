@@ -48,17 +48,19 @@ RBDYN_INLINE std::span<const std::uint8_t> MachineCodeWriter::write() {
     c_.compare(At{di, offsetof(Frame, k)}, 0);
     const std::size_t to_first = c_.jump_if(Assembler::When::equal);
     c_.keep(ax, 32);
+    load_carried(0);
     const std::size_t to_even = c_.jump_if(Assembler::When::equal), to_odd = c_.jump();
     c_.land(to_first);
+    load_carried(0);
     order(Order::first);
     const std::size_t from_first = c_.jump_if(Assembler::When::at_least);
     c_.land(to_odd);
-    const std::size_t again = c_.size();
+    const std::size_t odd_start = c_.size();
     order(Order::odd);
     const std::size_t from_odd = c_.jump_if(Assembler::When::at_least);
     c_.land(to_even);
     order(Order::even);
-    c_.jump_if(Assembler::When::below, again);
+    c_.jump_if(Assembler::When::below, odd_start);
     c_.land(from_first);
     c_.land(from_odd);
     c_.leave_four();
@@ -67,6 +69,7 @@ RBDYN_INLINE std::span<const std::uint8_t> MachineCodeWriter::write() {
     c_.leave();
     for (const Detour& d : detours_) {
         c_.land(d.from);
+        order_ = d.order;
         call(*d.step);
         c_.land(c_.jump(), d.back);
     }
@@ -106,6 +109,7 @@ RBDYN_INLINE void MachineCodeWriter::order(Order which) {
     using enum machine_code::Register;
     order_ = which;
     forget();
+    are_carried_ = true;
     set_registers();
     for (const SeriesEvaluator::Block& b : e_.blocks_) block(b);
     integrate();
@@ -126,38 +130,49 @@ RBDYN_INLINE void MachineCodeWriter::set_registers() {
     c_.move(r8, At{di, offsetof(Frame, k)});
     c_.move(r9, At{di, offsetof(Frame, storage)});
     c_.clear(zero);
-    if (order_ != Order::even || middle() == 0) return;
-    // of 64 bytes each (even()), so many are passed over
-    c_.move(cx, r8);
-    c_.shift_right(cx, 1);
-    c_.move(r10, static_cast<std::uint64_t>(middle() + 1));
-    c_.subtract(r10, cx);
-    c_.shift_left(r10, 6);
-    c_.address(ax, At{r13, 64});
-    c_.subtract(ax, r10);
-    c_.address(dx, At{r12, -32});
-    c_.add(dx, r10);
+    set_middles();
 }
 
 RBDYN_INLINE void MachineCodeWriter::integrate() {
     using enum machine_code::Register;
     c_.move(di, At{sp, 0});
     c_.compare(At{di, offsetof(Frame, integrates)}, 0);
-    const std::size_t past = c_.jump_if(Assembler::When::equal);
-    c_.move(r8, At{di, offsetof(Frame, k)});
-    c_.add(r8, 1);
-    c_.convert(0, r8);
-    c_.load(1, At{di, offsetof(Frame, unit)});
-    c_.divide_one(0, 1, 0);
+    const std::size_t to_given = c_.jump_if(Assembler::When::equal);
+    c_.move(ax, At{di, offsetof(Frame, k)});
+    c_.shift_left(ax, 3);
+    c_.move(cx, At{di, offsetof(Frame, factors)});
+    c_.add(ax, cx);
+    c_.load(0, At{ax, 0});
+    std::size_t i = 0;
     for (const SeriesEvaluator::Motion& m : e_.motion_) {
-        c_.multiply_one(1, 0, value(m.rate, 2));
-        c_.store(newest(m.input + 1), 1);
+        const Vector carried = carrier(i++), to = carried != none ? carried : Vector(1);
+        c_.multiply_one(to, 0, value(m.rate, 1));
+        c_.store(newest(m.input + 1), to);
     }
+    const std::size_t past = c_.jump();
+    c_.land(to_given);
+    load_carried(1);
     c_.land(past);
+}
+
+RBDYN_INLINE MachineCodeWriter::Vector MachineCodeWriter::carried(std::ptrdiff_t wanted) const {
+    std::size_t i = 0;
+    for (const SeriesEvaluator::Motion& m : e_.motion_) {
+        const Vector at = carrier(i++);
+        if (at == none || key(m.input) == wanted) return at;
+    }
+    return none;
+}
+
+RBDYN_INLINE void MachineCodeWriter::load_carried(int order) {
+    std::size_t i = 0;
+    for (const SeriesEvaluator::Motion& m : e_.motion_)
+        if (const Vector at = carrier(i++); at != none) c_.load(at, newest(m.input + order));
 }
 
 RBDYN_INLINE void MachineCodeWriter::block(const SeriesEvaluator::Block& b) {
     using Kind = SeriesEvaluator::Kind;
+    if (b.kind == Kind::steps) are_carried_ = false;
     const auto each = [&b]<class T>(const T*, const auto& write) {
         for (const T* one = static_cast<const T*>(b.first); one != b.last; ++one) write(*one);
     };
@@ -224,9 +239,17 @@ RBDYN_INLINE MachineCodeWriter::Vector MachineCodeWriter::lane(int l) {
     return to;
 }
 
+RBDYN_INLINE void MachineCodeWriter::give_lane(int l, Vector to) {
+    if (l == 0) return c_.move_four(to, sum_lanes);
+    if (l == 2) return c_.upper_half(to, sum_lanes);
+    const Vector low = lane(l - 1);
+    c_.high_lanes(to, low, low);
+}
+
 RBDYN_INLINE void MachineCodeWriter::sums(const SeriesEvaluator::Sums& s) {
     for (const auto* x = s.series; x != s.series_end; ++x) gather(*x);
     for (const auto* x = s.spread; x != s.spread_end; ++x) spread(*x);
+    are_carried_ = false;
     for (const auto* sum = s.sum; sum != s.sum_end; ++sum) {
         switch (order_) {
             case Order::first: first(*sum); break;
@@ -237,13 +260,18 @@ RBDYN_INLINE void MachineCodeWriter::sums(const SeriesEvaluator::Sums& s) {
         const auto* const first = reinterpret_cast<const double*>(&sum->sum);
         for (const auto* l = s.lane; l != s.lane_end; ++l) {
             if (l->sum < first || l->sum >= first + 4) continue;
-            const Vector from = lane(static_cast<int>(l->sum - first)), to = room();
-            c_.move_four(to, from);
+            const Vector to = room();
+            give_lane(static_cast<int>(l->sum - first), to);
             give(l->out, to);
         }
         for (const auto* m = s.mixed; m != s.mixed_end; ++m)
             if (m->lane >= first && m->lane < first + 4) mixed(*m, sum);
     }
+    if (order_ == Order::odd && are_ahead())
+        for (std::size_t i = 0; i < middles_.size(); ++i) {
+            const series::LaneProduct* const last = &e_.lane_products_[middles_[i].last];
+            if (last >= s.sum->first && last < (s.sum_end - 1)->last) middle(i);
+        }
 }
 
 RBDYN_INLINE void MachineCodeWriter::pair(const double* low, const double* high, Vector to) {
@@ -259,22 +287,23 @@ RBDYN_INLINE void MachineCodeWriter::gather(const series::LaneSeries& s) {
     const bool is_weighted = std::ranges::any_of(weights, [this](const Schedule::Weighted& w) {
         return w.scalar != Schedule::one && (w.scalar < 0 || e_.program_->constant(w.scalar) != 1.0);
     });
-    if (are_halves_same && s.from[0] == s.from[1]) {
-        const Vector x = known(key(s.from[0]));
-        x != none ? c_.spread(0, x) : c_.spread(0, newest(s.from[0]));
-    } else {
+    // a register whose old value may be among those that are laid out is written last
+    const bool are_all_same = are_halves_same && s.from[0] == s.from[1];
+    const Vector x = are_all_same ? known(key(s.from[0])) : none;
+    if (!are_all_same) {
         pair(s.from[0], s.from[1], 0);
         if (!are_halves_same) pair(s.from[2], s.from[3], 1);
-        c_.join(0, 0, are_halves_same ? 0 : 1);
     }
-    const Vector to = room();
-    const auto weight = static_cast<std::ptrdiff_t>(offsetof(series::LaneSeries, weight));
-    if (is_weighted)
-        c_.multiply_four(to, 0, At{Register::r14, i * static_cast<std::ptrdiff_t>(sizeof s) + weight});
+    const Vector to = room(), laid = is_weighted ? Vector(0) : to;
+    if (!are_all_same)
+        c_.join(laid, 0, are_halves_same ? 0 : 1);
     else
-        c_.move_four(to, 0);
+        x != none ? c_.spread(laid, x) : c_.spread(laid, newest(s.from[0]));
+    const auto weight = static_cast<std::ptrdiff_t>(offsetof(series::LaneSeries, weight));
+    if (is_weighted) c_.multiply_four(to, 0, At{Register::r14, i * static_cast<std::ptrdiff_t>(sizeof s) + weight});
     c_.store_four(At{Register::r12, in_lanes(s.to)}, to);
     know(to, key(s.to));
+    pack(s.to, to);
 }
 
 RBDYN_INLINE void MachineCodeWriter::spread(const series::LaneSpread& s) {
@@ -282,6 +311,7 @@ RBDYN_INLINE void MachineCodeWriter::spread(const series::LaneSpread& s) {
     from != none ? c_.spread(to, from) : c_.spread(to, newest(s.from));
     c_.store_four(At{Register::r12, in_lanes(s.to)}, to);
     know(to, key(s.to));
+    pack(s.to, to);
 }
 
 /// Order 0: products of the first coefficients.
@@ -305,50 +335,49 @@ RBDYN_INLINE void MachineCodeWriter::odd(const series::LaneSum& s) {
     }
 }
 
+/// To the middles (middle()) comes what the newest coefficients add, last, for they come late.
 RBDYN_INLINE void MachineCodeWriter::even(const series::LaneSum& s) {
     using enum machine_code::Register;
     // of order k in a and b, of order k + 1 in c and d
     constexpr Vector a = 0, b = 1, c = 2, d = 3;
+    const auto add = [this](Vector first, Vector second, Vector third, Vector fourth, bool is_first) {
+        c_.add_four(first, first, second);
+        c_.add_four(sum_lanes, is_first ? zero : sum_lanes, first);
+        c_.add_four(third, third, fourth);
+        c_.add_four(next_lanes, is_first ? zero : next_lanes, third);
+    };
     for (const auto* p = s.first; p != s.last; ++p) {
+        const Share& share = shares_[static_cast<std::size_t>(p - e_.lane_products_.data())];
         const std::ptrdiff_t x = in_lanes(p->x), y = in_lanes(p->y);
-        c_.load_four(7, At{r12, y - 32});
-        c_.multiply_four(b, 7, At{r13, x + 32});
-        for (const Vector sum : {a, c, d}) c_.move_four(sum, zero);
-        if (middle() > 0) {
-            const std::size_t start = c_.place(cx);
-            c_.add(cx, r10);
-            c_.jump(cx);
-            c_.land(start);
-        }
-        // 64 bytes each, so that where to begin tells how many
-        for (int i = 0; i < middle(); ++i) {
-            const At even = Assembler::far({ax, x + 64 * i}), odd = Assembler::far({ax, x + 64 * i + 32});
-            const auto right = [&](int by) { return Assembler::far({dx, y - 64 * i - 32 * by}); };
-            c_.load_four(4, even);
-            c_.multiply_four(6, 4, right(1));
-            c_.add_four(a, a, 6);
-            c_.multiply_four(7, 4, right(0));
-            c_.add_four(c, c, 7);
-            c_.load_four(5, odd);
-            c_.multiply_four(6, 5, right(2));
-            c_.add_four(b, b, 6);
-            c_.multiply_four(7, 5, right(1));
-            c_.add_four(d, d, 7);
-        }
-        // the newest come last, for they come late
+        if (!are_ahead()) middle(share.middle);
         const Vector x_k = value(p->x, 4), y_k = value(p->y, 5);
-        c_.multiply_four(6, y_k, At{r13, x + 32});
-        c_.add_four(c, c, 6);
-        c_.multiply_four(7, x_k, At{r13, y + 32});
-        c_.add_four(d, d, 7);
-        c_.multiply_four(6, y_k, At{r13, x});
-        c_.add_four(a, a, 6);
-        c_.multiply_four(7, x_k, At{r13, y});
-        c_.add_four(b, b, 7);
-        c_.add_four(a, a, b);
-        c_.add_four(sum_lanes, p == s.first ? zero : sum_lanes, a);
-        c_.add_four(c, c, d);
-        c_.add_four(next_lanes, p == s.first ? zero : next_lanes, c);
+        if (!are_ahead()) {
+            c_.multiply_four(6, y_k, At{r13, x + 32});
+            c_.add_four(c, c, 6);
+            c_.multiply_four(7, x_k, At{r13, y + 32});
+            c_.add_four(d, d, 7);
+            c_.multiply_four(6, y_k, At{r13, x});
+            c_.add_four(a, a, 6);
+            c_.multiply_four(7, x_k, At{r13, y});
+            c_.add_four(b, b, 7);
+            add(a, b, c, d, p == s.first);
+            continue;
+        }
+        c_.multiply_four(c, y_k, At{r13, x + 32});
+        c_.multiply_four(d, x_k, At{r13, y + 32});
+        c_.multiply_four(a, y_k, At{r13, x});
+        c_.multiply_four(b, x_k, At{r13, y});
+        // other lanes are another product's
+        const auto own = static_cast<std::uint8_t>(((1 << share.lanes) - 1) << share.first);
+        for (const Vector part : {a, b, c, d}) {
+            if (share.lanes == static_cast<int>(Schedule::lanes)) {
+                c_.add_four(part, part, middle_of(share, part));
+            } else {
+                c_.blend(6, zero, middle_of(share, part), own);
+                c_.add_four(part, part, 6);
+            }
+        }
+        add(a, b, c, d, p == s.first);
     }
     c_.store_four(next_of(s), next_lanes);
 }

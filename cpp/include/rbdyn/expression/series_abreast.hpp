@@ -11,6 +11,7 @@
 #include <array>
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -57,7 +58,7 @@ public:
     void expand(std::span<const Motion> motions, bool whole);
     /// Whether the motion's coefficients are what it has alone.
     bool is_good(int motion) const;
-    /// Hands a motion's to its evaluator: those of the inputs, of rates what is_finite() looks at, and of some slots.
+    /// Hands a motion's to its evaluator: of rates what is_finite() looks at, and some slots.
     void give(int motion, SeriesEvaluator& series, std::span<const int> slots, bool whole) const;
     /// Those of all slots.
     void give_all(int motion, SeriesEvaluator& series, bool whole) const;
@@ -65,6 +66,18 @@ public:
     /// The sizes of `count` inputs of a motion together (series::sizes()), from `first` on: those of all motions are
     /// computed when the first one asks.
     void sizes(int motion, int first, int count, double* out) const;
+
+    /// Hands over the coefficients of all inputs, each motion's to its evaluator.
+    void give_states(std::span<SeriesEvaluator* const> series) const;
+    /// How long steps may be by these sizes, of all motions: series::log_step() of each motion's.
+    void find_log_steps(int first, int count, std::span<const double> scales,
+                        std::span<const double> log_tolerances) const;
+    /// What was found of a motion; none where log_step() is to be asked.
+    std::optional<double> log_step(int motion, int first, int count) const;
+
+    /// What the inputs add up to from coefficient 1 on, of all motions, each at a place of its own.
+    void find_increments(std::span<const double> places) const;
+    double increment(int motion, int input) const;
 
     /// From now on by machine code at once, or not at all; else from when it pays. The same bits.
     void use_machine_code(bool is_used);
@@ -74,6 +87,8 @@ public:
     std::size_t bytes() const;
 
 private:
+    /// The place of the sizes of these inputs among those of the tape.
+    std::size_t sizes_of(int first, int count) const;
     void copy(int motion, int slot, std::size_t count, SeriesEvaluator& series) const;
     /// What is one or minus one in the program is so in all motions.
     bool has_its_ones(std::span<const double> weights) const;

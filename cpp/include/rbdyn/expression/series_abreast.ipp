@@ -4,9 +4,13 @@
 #include "rbdyn/expression/series_abreast.hpp"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -31,6 +35,16 @@ RBDYN_ABREAST void instruct(Tape& tape, const Tape::Other& other, int k) {
 inline void two_of_two(Tape& tape, int order, bool whole, const AbreastCode*) {
     expand<kernels::Four>(tape, order, whole, nullptr);
 }
+inline void log_steps_two_of_two(Tape::Sizes& s, int order, const Tape::Block& scale,
+                                 const Tape::Block& log_tolerance) {
+    log_steps<kernels::Four>(s, order, scale, log_tolerance);
+}
+inline void increments_two_of_two(Tape& tape, int count, int order, const Tape::Block& place, Tape::Block* out) {
+    increments<kernels::Four>(tape, count, order, place, out);
+}
+inline void rows_two_of_two(Tape& tape, Tape::Place series, int count, double* const* to) {
+    rows<kernels::Four>(tape, series, count, to);
+}
 inline void sizes_two_of_two(Tape& tape, Tape::Place first, int count, int order, Tape::Block* out) {
     sizes<kernels::Four>(tape, first, count, order, out);
 }
@@ -42,6 +56,29 @@ __attribute__((target("avx2"))) inline void sizes_four(Tape& tape, Tape::Place f
 __attribute__((target("avx512f"))) inline void sizes_eight(Tape& tape, Tape::Place first, int count, int order,
                                                            Tape::Block* out) {
     sizes<kernels::Eight>(tape, first, count, order, out);
+}
+__attribute__((target("avx2"))) inline void log_steps_four(Tape::Sizes& s, int order, const Tape::Block& scale,
+                                                           const Tape::Block& log_tolerance) {
+    log_steps<kernels::Four>(s, order, scale, log_tolerance);
+}
+__attribute__((target("avx512f"))) inline void log_steps_eight(Tape::Sizes& s, int order, const Tape::Block& scale,
+                                                               const Tape::Block& log_tolerance) {
+    log_steps<kernels::Eight>(s, order, scale, log_tolerance);
+}
+__attribute__((target("avx2"))) inline void increments_four(Tape& tape, int count, int order, const Tape::Block& place,
+                                                            Tape::Block* out) {
+    increments<kernels::Four>(tape, count, order, place, out);
+}
+__attribute__((target("avx2"))) inline void rows_four(Tape& tape, Tape::Place series, int count, double* const* to) {
+    rows<kernels::Four>(tape, series, count, to);
+}
+__attribute__((target("avx512f"))) inline void increments_eight(Tape& tape, int count, int order,
+                                                                const Tape::Block& place, Tape::Block* out) {
+    increments<kernels::Eight>(tape, count, order, place, out);
+}
+__attribute__((target("avx512f"))) inline void rows_eight(Tape& tape, Tape::Place series, int count,
+                                                          double* const* to) {
+    rows<kernels::Eight>(tape, series, count, to);
 }
 __attribute__((target("avx2"))) inline void four(Tape& tape, int order, bool whole, const AbreastCode* code) {
     expand<kernels::Four>(tape, order, whole, code);
@@ -107,19 +144,30 @@ RBDYN_INLINE SeriesAbreast::SeriesAbreast(const Program& program, int order, Pro
     tape.next.resize(blocks(static_cast<std::size_t>(tape.sum_count)));
     tape.part.resize(blocks(static_cast<std::size_t>(tape.part_count)));
     tape.next_part.resize(blocks(static_cast<std::size_t>(tape.part_count)));
+    tape.powers.resize(blocks(static_cast<std::size_t>(order)));
+    tape.increments_there.resize(blocks(static_cast<std::size_t>(inputs_)));
     tape.weights.resize(blocks(static_cast<std::size_t>(program.scalars())));
 #ifdef RBDYN_HAS_LANES
     tape.run = abreast::two_of_two;
     tape.sizes = abreast::sizes_two_of_two;
+    tape.log_steps = abreast::log_steps_two_of_two;
+    tape.to_rows = abreast::rows_two_of_two;
+    tape.increments = abreast::increments_two_of_two;
 #if defined(__x86_64__)
     if (processor == Processor::four) {
         tape.run = abreast::four;
         tape.sizes = abreast::sizes_four;
+        tape.log_steps = abreast::log_steps_four;
+        tape.to_rows = abreast::rows_four;
+        tape.increments = abreast::increments_four;
         tape.instruct = abreast::instruct_four;
     }
     if (processor == Processor::eight) {
         tape.run = abreast::eight;
         tape.sizes = abreast::sizes_eight;
+        tape.log_steps = abreast::log_steps_eight;
+        tape.to_rows = abreast::rows_eight;
+        tape.increments = abreast::increments_eight;
         tape.instruct = abreast::instruct_eight;
     }
 #endif
@@ -218,7 +266,6 @@ RBDYN_INLINE void SeriesAbreast::copy(int motion, int slot, std::size_t count, S
 RBDYN_INLINE void SeriesAbreast::give(int motion, SeriesEvaluator& series, std::span<const int> slots,
                                       bool whole) const {
     const auto count = static_cast<std::size_t>(stride_);
-    for (int slot = 0; slot < series.program().inputs(); ++slot) copy(motion, slot, count, series);
     for (const int slot : slots) copy(motion, slot, whole ? count : count - 1, series);
     const auto width = static_cast<std::size_t>(width_), last = static_cast<std::size_t>(order_ - 1) * width;
     for (const auto& [input, rate] : tape_->motion) {
@@ -238,7 +285,44 @@ RBDYN_INLINE void SeriesAbreast::give_all(int motion, SeriesEvaluator& series, b
         copy(motion, slot, whole || slot < inputs ? count : count - 1, series);
 }
 
-RBDYN_INLINE void SeriesAbreast::sizes(int motion, int first, int count, double* out) const {
+RBDYN_INLINE void SeriesAbreast::give_states(std::span<SeriesEvaluator* const> series) const {
+    std::array<double*, most> to{};
+    for (int slot = 0; slot < inputs_; ++slot) {
+        for (std::size_t l = 0; l < series.size(); ++l) to[l] = series[l]->row(slot);
+        tape_->to_rows(*tape_, slot * tape_->stride, stride_, to.data());
+    }
+}
+
+RBDYN_INLINE void SeriesAbreast::find_log_steps(int first, int count, std::span<const double> scales,
+                                                std::span<const double> log_tolerances) const {
+    abreast::Tape::Block scale, log_tolerance;
+    for (std::size_t l = 0; l < most; ++l) {
+        // lanes to spare have another one's
+        const std::size_t motion = l < scales.size() ? l : 0;
+        scale.lanes[l] = scales[motion];
+        log_tolerance.lanes[l] = log_tolerances[motion];
+    }
+    abreast::Tape::Sizes& s = tape_->all_sizes[sizes_of(first, count)];
+    tape_->log_steps(s, order_, scale, log_tolerance);
+    s.has_steps = true;
+}
+
+RBDYN_INLINE std::optional<double> SeriesAbreast::log_step(int motion, int first, int count) const {
+    const abreast::Tape::Sizes& s = tape_->all_sizes[sizes_of(first, count)];
+    if (!s.has_steps || std::bit_cast<std::uint64_t>(s.is_known.lanes[motion]) == 0) return std::nullopt;
+    return s.log_step.lanes[motion];
+}
+
+RBDYN_INLINE void SeriesAbreast::find_increments(std::span<const double> places) const {
+    for (std::size_t l = 0; l < most; ++l) tape_->places.lanes[l] = places[l < places.size() ? l : 0];
+    tape_->increments(*tape_, inputs_, order_, tape_->places, tape_->increments_there.data());
+}
+
+RBDYN_INLINE double SeriesAbreast::increment(int motion, int input) const {
+    return tape_->increments_there.data()->lanes[input * width_ + motion];
+}
+
+RBDYN_INLINE std::size_t SeriesAbreast::sizes_of(int first, int count) const {
     abreast::Tape& tape = *tape_;
     std::size_t i = 0;
     while (i < tape.known_sizes && (tape.all_sizes[i].first != first || tape.all_sizes[i].count != count)) ++i;
@@ -248,9 +332,14 @@ RBDYN_INLINE void SeriesAbreast::sizes(int motion, int first, int count, double*
         s.first = first;
         s.count = count;
         s.values.resize(static_cast<std::size_t>(order_ + 1));
+        s.has_steps = false;
         tape.sizes(tape, first * tape.stride, count, order_, s.values.data());
     }
-    const double* from = tape.all_sizes[i].values.data()->lanes + motion;
+    return i;
+}
+
+RBDYN_INLINE void SeriesAbreast::sizes(int motion, int first, int count, double* out) const {
+    const double* from = tape_->all_sizes[sizes_of(first, count)].values.data()->lanes + motion;
     for (int k = 0; k <= order_; ++k, from += width_) out[k] = *from;
 }
 

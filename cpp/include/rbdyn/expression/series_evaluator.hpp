@@ -62,6 +62,7 @@ public:
     /// Coefficients 0 .. order of the inputs from their first ones, 0 .. order - 1 of all other slots; `whole`: 0 ..
     /// order of these too.
     void expand(int order, bool whole) {
+        is_whole_ = whole;
         // where orders run one behind the other the last one has at hand what it would fetch from memory by itself
         const bool is_one_behind = wavefront_ != nullptr && stream_ == nullptr && order == top_;
         run_(*this, 0, whole && is_one_behind ? order + 1 : order, true);
@@ -267,8 +268,9 @@ private:
     LargeVector<series::LaneSpread> lane_spreads_;
     LargeVector<series::LaneProduct> lane_products_;
     LargeVector<series::LaneSum> lane_sums_;
-    std::unique_ptr<const MachineCode> code_;
-    int expansions_ = 0;  // so far, until there is code
+    std::unique_ptr<MachineCode> code_;
+    bool is_whole_ = false;  // the expansion that is made
+    int expansions_ = 0;     // so far, until there is code
     Run run_ = usual();
     std::unique_ptr<StreamedSeries> stream_;  // instead of all lists, of a program that is larger than the caches
 };

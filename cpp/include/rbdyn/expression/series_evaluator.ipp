@@ -207,15 +207,21 @@ RBDYN_INLINE void SeriesEvaluator::by_code(SeriesEvaluator& series, int first, i
     }
     // what may overflow is looked through where it begins
     const int by_lists = series.code_ == nullptr ? last : series.may_overflow_ ? std::min(last, 1) : first;
+    const auto go_by_lists = [&series, integrates](int from, int to) {
+        wide(series, from, to, integrates);
+        if (series.code_ != nullptr) series.code_->pass();
+    };
     if (first < by_lists)
-        wide(series, first, by_lists, integrates);
+        go_by_lists(first, by_lists);
     else if (first == 0)
         series.set_constants();
     first = std::max(first, by_lists);
+    if (first >= last) return;
     // nor has machine code the powers of what stays at zero
-    if (series.overflows_ || std::ranges::any_of(series.bases_, [](const double* base) { return *base == 0.0; }))
-        wide(series, first, last, integrates);
-    else if (first < last)
+    if (series.overflows_ || !series.code_->can_begin(first) ||
+        std::ranges::any_of(series.bases_, [](const double* base) { return *base == 0.0; }))
+        go_by_lists(first, last);
+    else
         series.code_->run(series, first, last, integrates);
 }
 #endif

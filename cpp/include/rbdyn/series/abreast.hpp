@@ -43,6 +43,35 @@ RBDYN_ABREAST void dot(const Lanes* a, const Lanes* b, int n, Lanes& sum) {
     sum = all;
 }
 
+/// x, x^2, .. x^n, as series::powers().
+template <class Lanes>
+RBDYN_ABREAST void powers(const Lanes& x, int n, Lanes* out) {
+    Lanes power = x;
+    for (int k = 0; k < n; ++k) {
+        out[k] = power;
+        power = power * x;
+    }
+}
+
+/// sum_{j < n} a[j] b[j], in the order of series::dot().
+template <class Lanes>
+RBDYN_ABREAST void forward_dot(const Lanes* a, const Lanes* b, int n, Lanes& sum) {
+    Lanes all{};
+    int j = 0;
+    if (n >= 4) {
+        Lanes p = a[0] * b[0], q = a[1] * b[1], r = a[2] * b[2], s = a[3] * b[3];
+        for (j = 4; j + 4 <= n; j += 4) {
+            p += a[j] * b[j];
+            q += a[j + 1] * b[j + 1];
+            r += a[j + 2] * b[j + 2];
+            s += a[j + 3] * b[j + 3];
+        }
+        all = (p + r) + (q + s);
+    }
+    for (; j < n; ++j) all += a[j] * b[j];
+    sum = all;
+}
+
 /// A product of two series at an even order above 0: what it adds to a sum there, and to the same sum at the next one.
 template <class Lanes>
 RBDYN_ABREAST void even_order(const Lanes* x, const Lanes* y, int k, Lanes& sum, Lanes& next) {

@@ -25,6 +25,9 @@ void widen(double* size, const double* c, int order);
 /// gives.
 void sizes(double* size, const double* c, std::ptrdiff_t stride, int count, int order);
 
+/// Counts as zero: close to where doubles end they lose their digits.
+inline constexpr double least_size = 0x1p-960;
+
 /// log2 of the longest step on which a series whose coefficients 0 .. p have given sizes is cut off below a tolerance
 /// (its log2) times `scale`, or times the motion within the step where that is larger; infinite for a polynomial of low
 /// degree, which is exact at any length. Only ratios of sizes enter, so units do not. p >= 4.

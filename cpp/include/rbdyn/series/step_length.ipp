@@ -61,9 +61,6 @@ RBDYN_INLINE void sizes(double* size, const double* c, std::ptrdiff_t stride, in
     }
 }
 
-// counts as zero: close to where doubles end they lose their digits
-inline constexpr double least_size = 0x1p-960;
-
 /// min_k above(k) / (k - from) of the k in [first, last] whose size counts, two at a time.
 template <class F>
 double least_quotient(const double* size, int first, int last, int from, const F& above) {
