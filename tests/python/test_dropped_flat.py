@@ -98,6 +98,20 @@ def test_a_disc_that_comes_down_flat_ends_by_that_reason(height, friction):
     assert abs(ended.value.run.end - math.sqrt(2 * height / G)) < 1e-12
 
 
+def test_a_disc_that_is_not_flat_by_1e_10_strikes_with_its_lowest_point():
+    """P = (1 + e) v / (1/m + R^2/I) with I = m R^2 / 4 turns it at 4 P / (m R)."""
+    radius, tilt, fall = 0.5, 1e-10, 0.5
+    scene = rb.Scene(gravity=[0, 0, -G])
+    leans = rb.EulerAngles(theta=tilt, psi=0.0, phi=0.0)
+    disc = scene.add(rb.shapes.disc(1.0, radius, [0, 0, 1]), position=[0, 0, fall], attitude=leans)
+    scene.contact(disc.disc(radius, [0, 0, 1]), rb.Plane([0, 0, 1]), restitution=0.5)
+    run = rb.simulate(scene, 0.4, rtol=1e-12)
+    first = run.events[0]
+    assert first.kind == "impact" and abs(first.time - math.sqrt(2 * (fall - radius * tilt) / G)) < 1e-14
+    turns = np.linalg.norm(run[disc].angular_velocity(first.time, side="after"))
+    assert abs(turns - 4 * 1.5 / 5 * G * first.time / radius) < 1e-8
+
+
 def test_bounces_without_loss_that_are_more_than_asked_for_are_a_step_limit():
     scene = rb.Scene(gravity=[0, 0, -G])
     ball = scene.add(rb.Particle(1.0), position=[0, 0, 1e-6])

@@ -36,3 +36,19 @@ def test_where_doubles_have_no_digits_of_the_light_one_that_is_said(mass, e):
     scene, _, _ = struck(mass, e)
     with pytest.raises(rb.IntegrationError, match="doubles have no digits of the impulses"):
         rb.simulate(scene, 0.75)
+
+
+def test_a_light_ball_with_a_heavy_one_on_it_comes_back_as_fast_as_the_law_says():
+    """Both come with one speed and leave with e times that, of whatever rounding the sums of their impulses are."""
+    scene = rb.Scene(gravity=[0, -9.8125, 0])
+    balls = [
+        scene.add(rb.RigidBody(m, [0.1 * m] * 3), rb.Planar([1, 0, 0], [0, 1, 0]), position=[0, y])
+        for m, y in ((1e-4, 1.0), (1e4, 1.5))
+    ]
+    scene.contact(balls[0].sphere(0.25), rb.Plane([0, 1, 0]), restitution=0.5)
+    scene.contact(balls[0].sphere(0.25), balls[1].sphere(0.25), restitution=0.5)
+    run = rb.simulate(scene, 0.4, rtol=1e-12)
+    (impact,) = run.events
+    speed = 9.8125 * impact.time
+    for ball in balls:
+        assert abs(run[ball].velocity(impact.time, side="after")[1] / speed - 0.5) < 1e-14

@@ -138,3 +138,22 @@ def test_beside_friction_in_a_joint_bounces_end_when_their_series_does(e):
     run = rb.simulate(scene, end + 0.5, error=1e-10)
     (ends,) = run.events.times("accumulation")
     assert abs(ends - end) < 1e-10 * end
+
+
+def test_what_lands_a_part_of_a_flight_later_strikes_later():
+    """Two particles so low that doubles do not tell their gaps from nothing: each strikes when its own fall ends."""
+    lower, later = 2.0**-33, 1 + 1e-5
+    first = (2 * lower / G) ** 0.5
+    falls = {"lower": lower, "higher": lower * (2.5 * later) ** 2}
+    scene = rb.Scene(gravity=[0, -G, 0])
+    bodies = [scene.add(rb.Particle(1.0), position=[1.0 + k, h, 0]) for k, h in enumerate(falls.values())]
+    for name, body in zip(falls, bodies, strict=True):
+        scene.contact(body, rb.Plane([0, 1, 0]), restitution=0.5, name=name)
+    # one motion of both: it is level, and as long as it wants to be
+    scene.connect(rb.Spring(1.0, rest_length=1.0), *bodies)
+    run = rb.simulate(scene, 1e-3, rtol=1e-12)
+    struck = {name: [e.time for e in run.events if e.kind == "impact" and e.name == name] for name in falls}
+    for found, flights in zip(struck["lower"][:4], (1.0, 2.0, 2.5, 2.75), strict=True):
+        assert abs(found - flights * first) < 1e-5 * 1e-4 * first
+    for found, flights in zip(struck["higher"][:3], (1.0, 2.0, 2.5), strict=True):
+        assert abs(found - flights * 2.5 * later * first) < 1e-5 * 1e-4 * first

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "rbdyn/mechanics/complementarity.hpp"
+#include "rbdyn/mechanics/cone_choice.hpp"
 #include "rbdyn/mechanics/friction_cones.hpp"
 #include "support.hpp"
 
@@ -108,6 +109,49 @@ TEST(FrictionCones, what_no_force_can_hold_is_not_held) {
     const std::vector<mechanics::Cone> cone{{0, false, 0.5}};
     EXPECT_TRUE(mechanics::held_by(a, {-1.0, 0.1, 0.0}, {1e-14, 1e-14, 1e-14}, cone).is_solved);
     EXPECT_FALSE(mechanics::held_by(a, {-1.0, 0.1, 0.1}, {1e-14, 1e-14, 1e-14}, cone).is_solved);
+}
+
+TEST(OtherForces, a_contact_that_slides_where_its_friction_takes_what_it_presses_has_any_force) {
+    // N changes its own rate by N, and its friction by -c mu N: nothing at c mu = 1, and something beside it
+    const double c = 0.5, force = 3.0;
+    for (const double mu : {2.0, 1.9, 2.1}) {
+        const mechanics::Square a{{1.0, c, 0.0}, {c, 1.0, 0.0}, {0.0, 0.0, 1.0}};
+        const std::vector<mechanics::Cone> cone{{0, false, mu}};
+        const mechanics::ConeForces found{
+            {force, -mu * force, 0.0}, {0.0, 0.7, 0.0}, {mechanics::ConeState::slides}, true};
+        const auto others = mechanics::other_forces(a, {1e-14, 1e-14, 1e-14}, cone, found);
+        if (mu != 2.0) {
+            EXPECT_TRUE(others.empty()) << mu;
+            continue;
+        }
+        ASSERT_FALSE(others.empty());
+        for (const mechanics::OtherForces& other : others) {
+            EXPECT_NEAR(other.change[1], -mu * other.change[0], 1e-12 * std::abs(other.change[0]));
+            EXPECT_NEAR(other.change[2], 0.0, 1e-12 * std::abs(other.change[0]));
+            EXPECT_TRUE(other.changes_normals(cone));
+            EXPECT_TRUE(other.makes_difference(a, 1.0));
+        }
+    }
+}
+TEST(OtherForces, two_that_hold_the_same_point_share_it_and_make_no_difference) {
+    // the same rows twice: what one pushes less the other does more
+    const mechanics::Square one{{1.0, 0.2, 0.0}, {0.2, 1.0, 0.0}, {0.0, 0.0, 1.0}};
+    mechanics::Square a(6, std::vector<double>(6));
+    for (std::size_t i = 0; i < 6; ++i)
+        for (std::size_t k = 0; k < 6; ++k) a[i][k] = one[i % 3][k % 3];
+    const std::vector<mechanics::Cone> cones{{0, false, 0.5}, {3, false, 0.5}};
+    const mechanics::ConeForces found{{1.0, 0.1, 0.0, 2.0, 0.2, 0.0},
+                                      std::vector<double>(6, 0.0),
+                                      {mechanics::ConeState::held, mechanics::ConeState::held},
+                                      true};
+    const auto others = mechanics::other_forces(a, std::vector<double>(6, 1e-14), cones, found);
+    ASSERT_FALSE(others.empty());
+    bool shares = false;
+    for (const mechanics::OtherForces& other : others) {
+        EXPECT_FALSE(other.makes_difference(a, 1.0));
+        shares = shares || other.changes_normals(cones);
+    }
+    EXPECT_TRUE(shares);
 }
 
 }  // namespace

@@ -57,6 +57,25 @@ private:
     std::array<double, kinds> whole_{};
 };
 
+/// The largest size of what is alike, by what it is measured there: a length and an angle, or a place and a speed, are
+/// compared by no unit.
+class AlikeSizes {
+public:
+    void take(const VariableGroup& group, double size) {
+        if (group.alike == Alike::nothing) return;
+        double& most = most_[static_cast<std::size_t>(group.alike)];
+        most = std::max(most, group.measure * size);
+    }
+    /// The largest as a size of this group, or its own.
+    double of(const VariableGroup& group, double own) const {
+        if (group.alike == Alike::nothing) return own;
+        return std::max(own, most_[static_cast<std::size_t>(group.alike)] / group.measure);
+    }
+
+private:
+    std::array<double, 5> most_{};
+};
+
 inline void MotionScales::widen(std::span<const double> x) {
     for (std::size_t i = 0; i < x.size(); ++i) {
         Variable& v = variables_[i];

@@ -472,13 +472,13 @@ RBDYN_INLINE bool TaylorEngine::bears_out(Evaluator<double>& values, double tau,
         slope[at(i)] = rate / unit_;
     }
     values(t_.hi + tau * unit_, x);
-    double widest = 0.0;
-    for (const VariableGroup& group : equations_->groups) widest = std::max(widest, scales_.scale(group));
+    AlikeSizes sizes;
+    for (const VariableGroup& group : equations_->groups) sizes.take(group, scales_.scale(group));
     const double part = std::max(1e-6, 64.0 * std::exp2(log_tolerance_));
     for (const VariableGroup& group : equations_->groups)
         for (int i = group.first; i < group.first + group.count; ++i) {
             const double rate = values.output(i), size = std::max(std::abs(rate), std::abs(slope[at(i)])),
-                         scale = std::max(scales_.scale(group), widest / duration),
+                         scale = sizes.of(group, scales_.scale(group)),
                          allowed = 1e-3 * size + part * scale / duration + 1e-12 * values.magnitude(i);
             if (!(std::abs(rate - slope[at(i)]) <= allowed)) return false;
         }
@@ -510,10 +510,10 @@ RBDYN_INLINE double TaylorEngine::held_at_end(double length) {
         }
         return largest;
     };
-    double widest = 0.0;
-    for (const VariableGroup& group : equations_->groups) widest = std::max(widest, size(group));
+    AlikeSizes sizes;
+    for (const VariableGroup& group : equations_->groups) sizes.take(group, size(group));
     for (const VariableGroup& group : equations_->groups) {
-        const double scale = std::max(size(group), widest / (length * unit_));
+        const double scale = sizes.of(group, size(group));
         for (int i = group.first; i < group.first + group.count; ++i)
             if (std::abs(series_->coefficients(i)[order_]) * last_power > nothing * scale) return length;
     }

@@ -163,7 +163,9 @@ RBDYN_INLINE double EventSearch::examine(Record& record, const Mode& mode, bool 
     for (const int g : fired_)
         if (const Guard& guard = guards[static_cast<std::size_t>(g)]; guard.watch >= 0)
             watched(guard).zero = value_at(mode, guard, cut);
-    if (cut >= 0.0) passed_at_cut_ = std::move(passed_at_cut);
+    // a mode that ends where it begins has the same instant behind it
+    if (cut >= 0.0 && !(fresh && at_start_)) passed_at_cut_.clear();
+    passed_at_cut_.insert(passed_at_cut_.end(), passed_at_cut.begin(), passed_at_cut.end());
     return cut;
 }
 

@@ -15,6 +15,29 @@
 
 namespace rbdyn::inline RBDYN_FORM::mechanics {
 
+RBDYN_INLINE double closing::least_arm(const Tree& tree, const Conditions& conditions) {
+    double least = 0.0;
+    const auto take = [&](double one) {
+        if (one > 0.0 && !(least > 0.0 && least <= one)) least = one;
+    };
+    const auto take_end = [&](const Anchor& end) {
+        if (end.body >= 0) take(safe_norm(rounded(end.point)));
+    };
+    for (const Node& n : tree.nodes()) take(safe_norm(rounded(n.center)));
+    for (const Condition& c : conditions.all()) {
+        take_end(c.a);
+        take_end(c.b);
+        take(c.length.hi);
+    }
+    for (const ContactLaw& c : conditions.contacts()) {
+        take_end(c.a);
+        take_end(c.b);
+        take(c.radius.hi);
+        take(c.surface_radius.hi);
+    }
+    return least;
+}
+
 RBDYN_INLINE std::vector<int> independent_rows(const Tree& tree, const Conditions& conditions,
                                                const std::vector<int>& candidates,
                                                const std::vector<Moving<double>>& all, std::size_t first,
@@ -144,7 +167,7 @@ RBDYN_INLINE void TreeProjection::apply(std::span<double> x, std::span<double> l
                 break;
             last = left;
             closing::move<Real>(*tree_, t, (other ? *other : now).changes(asked), wide);
-            if (left < 1e-9) break;
+            if (left < near_) break;
         }
         const auto moved = closing::moving<Real>(*tree_, t, wide);
         std::vector<Real> rates;

@@ -25,11 +25,14 @@ struct Scaled {
     Scaled(const Square& matrix, const std::vector<double>& driving, const std::vector<double>& rounding,
            const std::vector<Cone>& all)
         : cones(all), a(matrix), b(driving), noise(rounding), force(driving.size(), 1.0), width(driving.size(), 1.0) {
-        double most = 0.0;
+        double most = 0.0, largest_of_all = 0.0;
+        for (std::size_t i = 0; i < b.size(); ++i) largest_of_all = std::max(largest_of_all, std::abs(a[i][i]));
+        // in a unit that is a power of two, so that roots are the same in units of mass that are one
+        if (largest_of_all > 0.0) whole = std::ldexp(1.0, std::ilogb(largest_of_all));
         for (const Cone& cone : cones) {
             const auto f = static_cast<std::size_t>(cone.first);
             double largest = 0.0;
-            for (std::size_t i = f; i < f + unknowns(cone); ++i) largest = std::max(largest, std::abs(a[i][i]));
+            for (std::size_t i = f; i < f + unknowns(cone); ++i) largest = std::max(largest, std::abs(a[i][i]) / whole);
             for (std::size_t i = f; i < f + unknowns(cone); ++i) {
                 force[i] = largest > 0.0 ? 1.0 / std::sqrt(largest) : 1.0;
                 most = std::max(most, std::abs(b[i]) * force[i]);
@@ -38,7 +41,7 @@ struct Scaled {
         }
         size = most > 0.0 ? most : 1.0;
         for (std::size_t i = 0; i < b.size(); ++i) {
-            for (std::size_t j = 0; j < b.size(); ++j) a[i][j] *= force[i] * force[j];
+            for (std::size_t j = 0; j < b.size(); ++j) a[i][j] = a[i][j] / whole * (force[i] * force[j]);
             b[i] *= force[i] / size;
             noise[i] *= force[i] / size;
         }
@@ -58,13 +61,13 @@ struct Scaled {
         return sum;
     }
     std::vector<double> in(std::vector<double> z) const {
-        for (std::size_t i = 0; i < z.size(); ++i) z[i] /= force[i] * size;
+        for (std::size_t i = 0; i < z.size(); ++i) z[i] /= force[i] * size / whole;
         return z;
     }
     ConeForces out(const std::vector<double>& z, const std::vector<double>& u, std::vector<ConeState> states) const {
         ConeForces result{z, u, std::move(states), true};
         for (std::size_t i = 0; i < z.size(); ++i) {
-            result.force[i] *= force[i] * size;
+            result.force[i] *= force[i] * size / whole;
             result.rate[i] *= size / force[i];
         }
         return result;
@@ -72,9 +75,9 @@ struct Scaled {
 
     const std::vector<Cone>& cones;
     Square a;
-    std::vector<double> b, noise, force;  // the last: of z, times size, for a unit of the scaled problem
+    std::vector<double> b, noise, force;  // the last: of z, times size / whole, for a unit of the scaled problem
     std::vector<double> width;            // mu where it scales, else 1
-    double size = 1.0;
+    double size = 1.0, whole = 1.0;       // of rates, and of the matrix
 };
 
 inline double across(const std::vector<double>& v, std::size_t f) { return std::hypot(v[f + 1], v[f + 2]); }

@@ -118,7 +118,7 @@ RBDYN_INLINE double TreeModel::speed_of(int contact, const std::vector<mechanics
         if (end->body >= 0) {
             const mechanics::Moving<double>& m = all[at(end->body)];
             const double arm = rounded(end->point).norm() + static_cast<double>(c.radius);
-            speed = std::max(speed, m.velocity.norm() + m.omega.norm() * arm);
+            speed = std::max(speed, safe_norm(m.velocity) + safe_norm(m.omega) * arm);
         }
     return speed;
 }
