@@ -32,6 +32,7 @@ public:
 
 private:
     friend class MachineCodeWriter;
+    friend class RepeatedCode;
     struct Frame;
     explicit MachineCode(CodeMemory memory) : memory_(std::move(memory)) {}
 

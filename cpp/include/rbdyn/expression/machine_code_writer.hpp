@@ -3,11 +3,15 @@
 // Registers: bx, bp: coefficient k of slot 0, forwards and backwards; r9: its coefficient 0; r12: lane values of order
 // k; r13: those of order 0; r14: the series in lanes, with their weights; r15: their sums; si: weights; r8: k.
 // Of an even order, ax, dx and r10 tell where the middle of each product's coefficients is.
+//
+// Of chunks that repeat themselves (repetition.hpp) it writes one, an order a call: bx, bp, r9, r12, r13, r15 and si, a
+// table, begin with what is the chunk's own; r11 and r14: how far from there slots of the other kinds begin.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -17,6 +21,7 @@
 #include "rbdyn/expression/code_memory.hpp"
 #include "rbdyn/expression/known_registers.hpp"
 #include "rbdyn/expression/machine_code.hpp"
+#include "rbdyn/expression/repetition.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
 
 #ifdef RBDYN_WRITES_MACHINE_CODE
@@ -32,11 +37,16 @@ struct MachineCode::Frame {
     SeriesEvaluator* self;
     double unit, minus_one;
     std::int64_t integrates, k, last;
+    // of chunks that repeat themselves
+    std::ptrdiff_t second = 0, third = 0;
+    const SeriesEvaluator::Step* steps = nullptr;
+    const int* states = nullptr;
 };
 
 class MachineCodeWriter {
 public:
-    explicit MachineCodeWriter(const SeriesEvaluator& series) : e_(series) {}
+    /// Of all that it has to compute, or of what repeats itself.
+    explicit MachineCodeWriter(const SeriesEvaluator& series, const Repetition* repetition = nullptr);
 
     /// Whether code would be shorter than what a processor holds near, and all is in it.
     static bool takes(const SeriesEvaluator& series);
@@ -58,9 +68,13 @@ private:
     // where things are
     std::ptrdiff_t in_storage(const double* p) const { return 8 * (p - e_.storage_.data()); }
     std::ptrdiff_t in_lanes(const series::LaneValues* p) const { return 32 * (p - e_.lanes_.data()); }
-    At newest(const double* p) const { return {Register::bx, in_storage(p)}; }
-    At fixed(const double* p) const { return {Register::r9, in_storage(p)}; }
-    At backwards(const double* p) const { return {Register::bp, in_storage(p)}; }
+    /// A coefficient of order 0 of a slot, from where a register points.
+    At slot(Register base, const double* p) const;
+    At newest(const double* p) const { return slot(Register::bx, p); }
+    At fixed(const double* p) const { return slot(Register::r9, p); }
+    At backwards(const double* p) const { return slot(Register::bp, p); }
+    /// Where a weight is, by what holds it; none: it is 1 or -1, as its scalar.
+    std::optional<At> weight(const void* holder, std::ptrdiff_t scalar) const;
     At next_of(const series::LaneSum& s) const;
 
     // newest coefficients, and lanes of them, that are in registers
@@ -116,6 +130,8 @@ private:
     void slope(const Step& s);
 
     const SeriesEvaluator& e_;
+    const Repetition* repetition_;
+    Repetition::Chunk model_{};  // of what repeats itself
     Assembler c_;
     Order order_ = Order::first;
     int lanes_there_ = 0;  // of the sum computed last: a bit each

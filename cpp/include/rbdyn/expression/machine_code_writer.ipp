@@ -4,9 +4,11 @@
 #include "rbdyn/expression/machine_code_writer.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -20,6 +22,11 @@
 
 #ifdef RBDYN_WRITES_MACHINE_CODE
 namespace rbdyn::inline RBDYN_FORM {
+
+RBDYN_INLINE MachineCodeWriter::MachineCodeWriter(const SeriesEvaluator& series, const Repetition* repetition)
+    : e_(series), repetition_(repetition) {
+    if (repetition_ != nullptr) model_ = *repetition_->chunk(repetition_->model());
+}
 
 RBDYN_INLINE bool MachineCodeWriter::takes(const SeriesEvaluator& e) {
     const std::size_t products = e.lane_products_.size(), middle = static_cast<std::size_t>(e.top_) / 2;
@@ -51,14 +58,16 @@ RBDYN_INLINE std::span<const std::uint8_t> MachineCodeWriter::write() {
     const std::size_t to_even = c_.jump_if(Assembler::When::equal), to_odd = c_.jump();
     c_.land(to_first);
     order(Order::first);
-    const std::size_t from_first = c_.jump_if(Assembler::When::at_least);
+    // of what repeats itself, an order alone
+    const auto over = [this] { return repetition_ != nullptr ? c_.jump() : c_.jump_if(Assembler::When::at_least); };
+    const std::size_t from_first = over();
     c_.land(to_odd);
     const std::size_t again = c_.size();
     order(Order::odd);
-    const std::size_t from_odd = c_.jump_if(Assembler::When::at_least);
+    const std::size_t from_odd = over();
     c_.land(to_even);
     order(Order::even);
-    c_.jump_if(Assembler::When::below, again);
+    if (repetition_ == nullptr) c_.jump_if(Assembler::When::below, again);
     c_.land(from_first);
     c_.land(from_odd);
     c_.leave_four();
@@ -74,8 +83,25 @@ RBDYN_INLINE std::span<const std::uint8_t> MachineCodeWriter::write() {
 }
 
 RBDYN_INLINE MachineCodeWriter::At MachineCodeWriter::next_of(const series::LaneSum& s) const {
-    const auto offset = reinterpret_cast<const char*>(&s.next) - reinterpret_cast<const char*>(e_.lane_sums_.data());
-    return {Register::r15, offset};
+    const series::LaneSum* const first = e_.lane_sums_.data() + model_.sums;
+    return {Register::r15, reinterpret_cast<const char*>(&s.next) - reinterpret_cast<const char*>(first)};
+}
+
+RBDYN_INLINE MachineCodeWriter::At MachineCodeWriter::slot(Register base, const double* p) const {
+    if (repetition_ == nullptr) return {base, in_storage(p)};
+    constexpr Register index[Repetition::kinds] = {Register::sp, Register::r11, Register::r14};
+    const auto [kind, distance] = repetition_->slot(in_storage(p));
+    return {base, distance, false, index[kind]};
+}
+
+RBDYN_INLINE std::optional<MachineCodeWriter::At> MachineCodeWriter::weight(const void* holder,
+                                                                            std::ptrdiff_t scalar) const {
+    if (repetition_ != nullptr) {
+        const std::optional<std::ptrdiff_t> place = repetition_->weight(holder);
+        return place ? std::optional(At{Register::si, 8 * *place}) : std::nullopt;
+    }
+    if (std::abs(e_.program_->constant(static_cast<int>(scalar))) == 1.0) return std::nullopt;
+    return At{Register::si, 8 * scalar};
 }
 
 RBDYN_INLINE MachineCodeWriter::Vector MachineCodeWriter::value(const double* slot, Vector otherwise) {
@@ -107,6 +133,11 @@ RBDYN_INLINE void MachineCodeWriter::order(Order which) {
     order_ = which;
     forget();
     set_registers();
+    if (repetition_ != nullptr) {
+        const auto [first, last] = e_.wavefront_->chunks[repetition_->model()].stages;
+        for (std::size_t b = e_.first_block_[first]; b < e_.first_block_[last]; ++b) block(e_.blocks_[b]);
+        return integrate();
+    }
     for (const SeriesEvaluator::Block& b : e_.blocks_) block(b);
     integrate();
     c_.move(r8, At{di, offsetof(Frame, k)});
@@ -125,6 +156,10 @@ RBDYN_INLINE void MachineCodeWriter::set_registers() {
     c_.move(si, At{di, offsetof(Frame, scalars)});
     c_.move(r8, At{di, offsetof(Frame, k)});
     c_.move(r9, At{di, offsetof(Frame, storage)});
+    if (repetition_ != nullptr) {
+        c_.move(r11, At{di, offsetof(Frame, second)});
+        c_.move(r14, At{di, offsetof(Frame, third)});
+    }
     c_.clear(zero);
     if (order_ != Order::even || middle() == 0) return;
     // of 64 bytes each (even()), so many are passed over
@@ -149,9 +184,15 @@ RBDYN_INLINE void MachineCodeWriter::integrate() {
     c_.convert(0, r8);
     c_.load(1, At{di, offsetof(Frame, unit)});
     c_.divide_one(0, 1, 0);
-    for (const SeriesEvaluator::Motion& m : e_.motion_) {
+    std::span<const SeriesEvaluator::Motion> all{e_.motion_.data(), e_.motion_.size()};
+    if (repetition_ != nullptr) {
+        const auto [first, last] = e_.wavefront_->chunks[repetition_->model()].inputs;
+        all = all.subspan(first, last - first);
+    }
+    for (const SeriesEvaluator::Motion& m : all) {
         c_.multiply_one(1, 0, value(m.rate, 2));
-        c_.store(newest(m.input + 1), 1);
+        c_.store(Assembler::beyond(newest(m.input), 8), 1);
+        if (repetition_ != nullptr && m.last != nullptr) c_.store(Assembler::beyond(backwards(m.last), -8), 1);
     }
     c_.land(past);
 }
@@ -182,14 +223,13 @@ RBDYN_INLINE void MachineCodeWriter::copy(const series::View& v) { c_.store(back
 RBDYN_INLINE void MachineCodeWriter::terms(const Term* first, const Term* last, Vector sum, Vector to) {
     for (; first != last; ++first, sum = to) {
         const Vector x = known(key(first->series));
-        const double weight = e_.program_->constant(static_cast<int>(first->weight));
-        if (weight == 1.0 || weight == -1.0) {
-            const auto add = [&](auto which) {
-                weight > 0.0 ? c_.add_one(to, sum, which) : c_.subtract_one(to, sum, which);
-            };
+        const std::optional<At> at = weight(first, first->weight);
+        if (!at) {
+            const bool adds = e_.program_->constant(static_cast<int>(first->weight)) > 0.0;
+            const auto add = [&](auto which) { adds ? c_.add_one(to, sum, which) : c_.subtract_one(to, sum, which); };
             x != none ? add(x) : add(newest(first->series));
         } else {
-            c_.load(0, At{Register::si, 8 * first->weight});
+            c_.load(0, *at);
             x != none ? c_.multiply_one(0, 0, x) : c_.multiply_one(0, 0, newest(first->series));
             c_.add_one(to, sum, 0);
         }
@@ -199,7 +239,9 @@ RBDYN_INLINE void MachineCodeWriter::terms(const Term* first, const Term* last, 
 RBDYN_INLINE void MachineCodeWriter::mixed(const SeriesEvaluator::Mixed& m, const series::LaneSum* from) {
     const Vector to = room();
     const bool has_constant = order_ == Order::first && m.weight >= 0;
-    if (has_constant) c_.load(to, At{machine_code::Register::si, 8 * static_cast<std::ptrdiff_t>(m.weight)});
+    if (has_constant)
+        c_.load(to, repetition_ != nullptr ? *weight(&m, m.weight)
+                                           : At{Register::si, 8 * static_cast<std::ptrdiff_t>(m.weight)});
     Vector sum = has_constant ? to : zero;
     terms(m.first, m.last, sum, to);
     if (m.first != m.last) sum = to;
@@ -255,10 +297,12 @@ RBDYN_INLINE void MachineCodeWriter::pair(const double* low, const double* high,
 RBDYN_INLINE void MachineCodeWriter::gather(const series::LaneSeries& s) {
     const std::ptrdiff_t i = &s - e_.lane_series_.data();
     const Schedule::Series& weights = e_.lane_weights_[static_cast<std::size_t>(i)];
+    const std::optional<std::ptrdiff_t> place = repetition_ != nullptr ? repetition_->weight(&s) : std::nullopt;
     const bool are_halves_same = s.from[0] == s.from[2] && s.from[1] == s.from[3];
-    const bool is_weighted = std::ranges::any_of(weights, [this](const Schedule::Weighted& w) {
-        return w.scalar != Schedule::one && (w.scalar < 0 || e_.program_->constant(w.scalar) != 1.0);
-    });
+    const bool is_weighted =
+        repetition_ != nullptr ? place.has_value() : std::ranges::any_of(weights, [this](const Schedule::Weighted& w) {
+            return w.scalar != Schedule::one && (w.scalar < 0 || e_.program_->constant(w.scalar) != 1.0);
+        });
     if (are_halves_same && s.from[0] == s.from[1]) {
         const Vector x = known(key(s.from[0]));
         x != none ? c_.spread(0, x) : c_.spread(0, newest(s.from[0]));
@@ -268,9 +312,9 @@ RBDYN_INLINE void MachineCodeWriter::gather(const series::LaneSeries& s) {
         c_.join(0, 0, are_halves_same ? 0 : 1);
     }
     const Vector to = room();
-    const auto weight = static_cast<std::ptrdiff_t>(offsetof(series::LaneSeries, weight));
+    constexpr std::ptrdiff_t each = sizeof s, weight = offsetof(series::LaneSeries, weight);
     if (is_weighted)
-        c_.multiply_four(to, 0, At{Register::r14, i * static_cast<std::ptrdiff_t>(sizeof s) + weight});
+        c_.multiply_four(to, 0, place ? At{Register::si, 8 * *place} : At{Register::r14, i * each + weight});
     else
         c_.move_four(to, 0);
     c_.store_four(At{Register::r12, in_lanes(s.to)}, to);
