@@ -28,6 +28,8 @@
 #include "rbdyn/expression/program.ipp"
 #include "rbdyn/expression/recorder.ipp"
 #include "rbdyn/expression/recording.ipp"
+#include "rbdyn/expression/repeated_code.ipp"
+#include "rbdyn/expression/repetition.ipp"
 #include "rbdyn/expression/rounded.ipp"
 #include "rbdyn/expression/rounding_sizes.ipp"
 #include "rbdyn/expression/same_sign.ipp"

@@ -178,7 +178,9 @@ TEST(MachineCode, is_not_made_of_what_is_too_long_to_pay) {
     const int count = 300;
     for (int i = 0; i < count; ++i) {
         E sum = 0.0;
-        for (int j = 1; j < 8; ++j) sum = sum + (0.5 + i + j) * r.input(i) * r.input((i + j) % count);
+        // rates that are no repetition of others
+        const int products = std::sin(i * i) > 0.0 ? 7 : 6;
+        for (int j = 1; j <= products; ++j) sum = sum + (0.5 + i + j) * r.input(i) * r.input((i + j) % count);
         rates.push_back(sum);
     }
     const Program program(r, rates, count);

@@ -18,11 +18,12 @@ namespace rbdyn::inline RBDYN_FORM::machine_code {
 /// Registers of integers, by their numbers in the encoding.
 enum class Register : std::uint8_t { ax, cx, dx, bx, sp, bp, si, di, r8, r9, r10, r11, r12, r13, r14, r15 };
 
-/// What lies at a distance from where a register points.
+/// What lies at a distance from where a register points, or one and another register's number of bytes beyond that.
 struct At {
     Register base;
     std::ptrdiff_t distance;
-    bool is_far = false;  // encoded in as many bytes whatever the distance
+    bool is_far = false;            // encoded in as many bytes whatever the distance
+    Register index = Register::sp;  // the other register, of vectors in up to four lanes; sp: there is none
 };
 
 /// A register of vectors: all four lanes, or two, or the first one alone. With eight lanes there are 32 of them.
@@ -33,7 +34,8 @@ public:
     /// `lanes`: of vectors that are whole, 4 or 8.
     explicit Assembler(int lanes = 4) : has_eight_(lanes == 8) {}
 
-    static At far(At at) { return {at.base, at.distance, true}; }
+    static At far(At at) { return {at.base, at.distance, true, at.index}; }
+    static At beyond(At at, std::ptrdiff_t by) { return {at.base, at.distance + by, at.is_far, at.index}; }
     std::span<const std::uint8_t> bytes() const { return {bytes_.data(), size_}; }
     std::size_t size() const { return size_; }
 
@@ -200,13 +202,14 @@ private:
         return size() - 4;
     }
     void vex_prefix(std::uint8_t reg, std::uint8_t second, std::uint8_t rm, Map map, Prefix prefix, bool four,
-                    bool wide) {
+                    bool wide, std::uint8_t x = 0) {
         const auto last = static_cast<std::uint8_t>((~second & 15) << 3 | (four ? 4 : 0) | static_cast<int>(prefix));
-        if (map == Map::plain && rm < 8 && !wide) {
+        if (map == Map::plain && rm < 8 && x < 8 && !wide) {
             put({0xc5, static_cast<std::uint8_t>((reg < 8 ? 0x80 : 0) | last)});
         } else {
             put({0xc4,
-                 static_cast<std::uint8_t>((reg < 8 ? 0x80 : 0) | 0x40 | (rm < 8 ? 0x20 : 0) | static_cast<int>(map)),
+                 static_cast<std::uint8_t>((reg < 8 ? 0x80 : 0) | (x < 8 ? 0x40 : 0) | (rm < 8 ? 0x20 : 0) |
+                                           static_cast<int>(map)),
                  static_cast<std::uint8_t>((wide ? 0x80 : 0) | last)});
         }
     }
@@ -216,7 +219,7 @@ private:
         put({code, static_cast<std::uint8_t>(0xc0 | (reg & 7) << 3 | (rm & 7))});
     }
     void vex(Vector reg, Vector second, At rm, Map map, Prefix prefix, bool four, std::uint8_t code) {
-        vex_prefix(reg, second, index(rm.base), map, prefix, four, false);
+        vex_prefix(reg, second, index(rm.base), map, prefix, four, false, index(rm.index));
         put({code});
         place_of(reg, rm);
     }
@@ -244,8 +247,9 @@ private:
         const auto low = static_cast<std::uint8_t>(index(at.base) & 7);
         const bool is_short =
             !at.is_far && at.distance % unit == 0 && at.distance >= -128 * unit && at.distance < 128 * unit;
-        put({static_cast<std::uint8_t>((is_short ? 0x40 : 0x80) | (reg & 7) << 3 | low)});
-        if (low == 4) put({0x24});
+        const bool has_index = at.index != Register::sp;
+        put({static_cast<std::uint8_t>((is_short ? 0x40 : 0x80) | (reg & 7) << 3 | (has_index ? 4 : low))});
+        if (has_index || low == 4) put({static_cast<std::uint8_t>((index(at.index) & 7) << 3 | low)});
         if (is_short)
             put({static_cast<std::uint8_t>(at.distance / unit)});
         else

@@ -16,10 +16,15 @@ namespace rbdyn::inline RBDYN_FORM {
 struct KeptSeries::Shelf {
     struct Kept {
         int order;
+        SeriesEvaluator::Use use;
         std::unique_ptr<SeriesEvaluator> series;
+        // of what repeats itself to make one takes as long as some steps
+        bool is_long() const { return series->bytes() > most_bytes; }
     };
     static constexpr std::size_t most = 4;  // that are free: an engine's, and of those that look at a start
     static constexpr std::size_t most_bytes = 1U << 18;  // of one
+    // and so many larger ones with repeated code: of two runs that judge each other each has an order of its own
+    static constexpr std::size_t most_long = 2, most_bytes_of_long = 1U << 23;
 
     std::mutex mutex;
     std::vector<Kept> free;
@@ -39,6 +44,7 @@ public:
 private:
     std::shared_ptr<KeptSeries::Shelf> shelf_;
     int order_;
+    SeriesEvaluator::Use use_;
     std::unique_ptr<SeriesEvaluator> series_;
 };
 

@@ -21,11 +21,13 @@ RBDYN_INLINE KeptSeries& KeptSeries::operator=(const KeptSeries& other) {
 }
 
 RBDYN_INLINE BorrowedSeries::BorrowedSeries(const Program& program, int order, SeriesEvaluator::Use use)
-    : shelf_(program.kept_series().shelf_), order_(order) {
+    : shelf_(program.kept_series().shelf_), order_(order), use_(use) {
     {
         const std::lock_guard lock(shelf_->mutex);
-        const auto found = std::find_if(shelf_->free.begin(), shelf_->free.end(),
-                                        [&](const KeptSeries::Shelf::Kept& kept) { return kept.order == order; });
+        const auto found =
+            std::find_if(shelf_->free.begin(), shelf_->free.end(), [&](const KeptSeries::Shelf::Kept& kept) {
+                return kept.order == order && (kept.use == use || !kept.series->is_large());
+            });
         if (found != shelf_->free.end()) {
             series_ = std::move(found->series);
             shelf_->free.erase(found);
@@ -38,13 +40,19 @@ RBDYN_INLINE BorrowedSeries::BorrowedSeries(const Program& program, int order, S
 }
 
 RBDYN_INLINE BorrowedSeries::~BorrowedSeries() {
-    if (series_->is_large() || series_->bytes() > KeptSeries::Shelf::most_bytes) return;
-    const std::lock_guard lock(shelf_->mutex);
     // those of members side by side come back together
     constexpr std::size_t most_together = 1U << 20;
-    const std::size_t count = shelf_->free.size();
-    if (count < KeptSeries::Shelf::most || (count + 1) * series_->bytes() <= most_together)
-        shelf_->free.push_back({order_, std::move(series_)});
+    const auto has_room = [](std::size_t count, std::size_t each) {
+        return count < KeptSeries::Shelf::most || (count + 1) * each <= most_together;
+    };
+    using Shelf = KeptSeries::Shelf;
+    const std::size_t bytes = series_->bytes();
+    const bool is_long = bytes > Shelf::most_bytes;
+    if (is_long && !(series_->has_repeated_code() && bytes <= Shelf::most_bytes_of_long)) return;
+    const std::lock_guard lock(shelf_->mutex);
+    const auto longs = static_cast<std::size_t>(std::ranges::count_if(shelf_->free, &Shelf::Kept::is_long));
+    if (is_long ? longs < Shelf::most_long : has_room(shelf_->free.size() - longs, bytes))
+        shelf_->free.push_back({order_, use_, std::move(series_)});
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM

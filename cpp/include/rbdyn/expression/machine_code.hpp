@@ -39,6 +39,7 @@ public:
 
 private:
     friend class MachineCodeWriter;
+    friend class RepeatedCode;
     struct Frame;
     MachineCode(CodeMemory memory, std::size_t middles, int top)
         : memory_(std::move(memory)), middles_(middles), factors_(static_cast<std::size_t>(top) + 1) {}

@@ -55,15 +55,14 @@ RBDYN_INLINE void MachineCodeWriter::share_middles() {
         for (std::size_t i = 0; i < products.size(); ++i) {
             if (shares_[i].lanes != lanes) continue;
             auto room = rooms.end();
-            if (are_ahead() && lanes < all)
-                room = std::ranges::find_if(rooms, [&](const Room& r) { return r.lanes + lanes <= all; });
+            if (lanes < all) room = std::ranges::find_if(rooms, [&](const Room& r) { return r.lanes + lanes <= all; });
             if (room == rooms.end()) room = rooms.insert(rooms.end(), {{}, 0});
             shares_[i].lane = room->lanes;
             room->lanes += lanes;
             room->products.push_back(i);
         }
     for (const Room& room : rooms) {
-        Middle m{products[room.products.front()].x, products[room.products.front()].y,
+        Middle m{products[room.products.front()].x, products[room.products.front()].y, middles_.size(),
                  *std::ranges::max_element(room.products), -1};
         const bool is_shared = room.products.size() > 1;
         if (is_shared) m.packed = packed_++;
@@ -128,7 +127,7 @@ RBDYN_INLINE void MachineCodeWriter::pack(const series::LaneValues* series, Vect
 /// Where the middles of the even order to come are: of 64 bytes each pair (middle()), so many are passed over.
 RBDYN_INLINE void MachineCodeWriter::set_middles() {
     using enum machine_code::Register;
-    c_.move(r11, At{di, offsetof(Frame, middles)});
+    if (repetition_ == nullptr) c_.move(r11, At{di, offsetof(Frame, middles)});
     if (order_ != (are_ahead() ? Order::odd : Order::even)) return;
     c_.move(r10, static_cast<std::uint64_t>(64 * pairs()));
     c_.move(cx, r8);
@@ -148,10 +147,9 @@ RBDYN_INLINE void MachineCodeWriter::set_middles() {
 
 /// Of the even order after this one, or of this one if it is even. In a and b what it adds to that order, in c and d to
 /// the next one.
-RBDYN_INLINE void MachineCodeWriter::middle(std::size_t index) {
+RBDYN_INLINE void MachineCodeWriter::middle(const Middle& m) {
     using enum machine_code::Register;
     constexpr Vector a = 0, b = 1, c = 2, d = 3, even = 4, odd = 5, product = 6, above = 7;
-    const Middle& m = middles_[index];
     const bool is_packed = m.packed >= 0;
     const std::ptrdiff_t x = is_packed ? in_packed(2 * m.packed) : in_lanes(m.x),
                          y = is_packed ? in_packed(2 * m.packed + 1) : in_lanes(m.y);
@@ -193,7 +191,7 @@ RBDYN_INLINE void MachineCodeWriter::middle(std::size_t index) {
         c_.add_four(d, d, product);
     }
     if (!are_ahead()) return;
-    for (const Vector sum : {a, b, c, d}) c_.store_four(At{r11, in_middles(index) + 32 * sum}, sum);
+    for (const Vector sum : {a, b, c, d}) c_.store_four(At{r11, in_middles(m.index) + 32 * sum}, sum);
     if (is_packed) go(r11, r13);
 }
 

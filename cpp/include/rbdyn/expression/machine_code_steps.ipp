@@ -41,7 +41,14 @@ RBDYN_INLINE void MachineCodeWriter::call(const Step& s) {
     c_.move(di, At{sp, 0});
     c_.move(dx, At{di, offsetof(Frame, k)});
     c_.move(di, At{di, offsetof(Frame, self)});
-    c_.move(si, reinterpret_cast<std::uint64_t>(&s));
+    if (repetition_ != nullptr) {
+        c_.move(ax, At{sp, 0});
+        c_.move(si, At{ax, offsetof(Frame, steps)});
+        c_.add(si,
+               static_cast<std::int32_t>(sizeof s) * static_cast<std::int32_t>(&s - (e_.steps_.data() + model_.steps)));
+    } else {
+        c_.move(si, reinterpret_cast<std::uint64_t>(&s));
+    }
     c_.move(ax, reinterpret_cast<std::uint64_t>(&SeriesEvaluator::compute_wide));
     c_.call(ax);
     set_registers();
@@ -54,7 +61,7 @@ RBDYN_INLINE void MachineCodeWriter::dots(std::initializer_list<Factors> factors
         Vector sum = 0;
         for (const Factors& f : factors) write(sum++, f);
     };
-    const auto at = [](At place, int by) { return At{place.base, place.distance + 8 * by}; };
+    const auto at = [](At place, int by) { return Assembler::beyond(place, 8 * by); };
     c_.move(cx, r8);
     if (more != 0) c_.add(cx, more);
     each([&](Vector sum, const Factors&) { c_.move_four(sum, zero); });
@@ -141,7 +148,7 @@ RBDYN_INLINE void MachineCodeWriter::by_slope(const Step& s) {
     // the factors' coefficients of order k - 1 are read before those of order k are written
     const auto integral = [&](Vector to, Vector sum, const series::View& by) {
         c_.load(4, fixed(s.slope + 1));
-        c_.multiply_one(4, 4, newest(by.forward - 1));
+        c_.multiply_one(4, 4, Assembler::beyond(newest(by.forward), -8));
         c_.add_one(to, to, 4);
         c_.add_one(to, to, sum);
         c_.divide_one(to, to, 7);
@@ -173,8 +180,15 @@ RBDYN_INLINE void MachineCodeWriter::power(const Step& s) {
 RBDYN_INLINE void MachineCodeWriter::norm(const Step& s) {
     // one that begins at zero is the evaluator's, which is rare
     forget();
-    c_.move(Register::cx, reinterpret_cast<std::uint64_t>(s.valuation));
-    c_.compare_short(At{Register::cx, 0}, 0);
+    std::ptrdiff_t place = 0;
+    if (repetition_ != nullptr) {
+        c_.move(Register::di, At{Register::sp, 0});
+        c_.move(Register::cx, At{Register::di, offsetof(Frame, states)});
+        place = static_cast<std::ptrdiff_t>(sizeof *s.valuation) * (s.valuation - e_.valuations_.data());
+    } else {
+        c_.move(Register::cx, reinterpret_cast<std::uint64_t>(s.valuation));
+    }
+    c_.compare_short(At{Register::cx, place}, 0);
     const std::size_t from = c_.jump_if(Assembler::When::not_equal);
     dots({{s.a.forward, &s.a}, {s.b.forward, &s.b}, {s.c.forward, &s.c}}, 0, 1);
     for (const Vector part : {Vector(0), Vector(1), Vector(2)}) c_.add_one(5, part == 0 ? zero : Vector(5), part);

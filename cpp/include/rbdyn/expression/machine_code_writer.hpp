@@ -3,11 +3,15 @@
 // Registers: bx, bp: coefficient k of slot 0, forwards and backwards; r9: its coefficient 0; r12: lane values of order
 // k; r13: those of order 0; r14: the series in lanes, with their weights; r15: their sums; si: weights; r8: k; r11: the
 // middles of products. Of an odd order, ax, dx and r10 tell where the coefficients of the next ones' middles are.
+//
+// Of chunks that repeat themselves (repetition.hpp) it writes one, an order a call: bx, bp, r9, r12, r13, r15 and si, a
+// table, begin with what is the chunk's own; r11 and r14: how far from there slots of the other kinds begin.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -17,6 +21,7 @@
 #include "rbdyn/expression/code_memory.hpp"
 #include "rbdyn/expression/known_registers.hpp"
 #include "rbdyn/expression/machine_code.hpp"
+#include "rbdyn/expression/repetition.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
 
 #ifdef RBDYN_WRITES_MACHINE_CODE
@@ -34,11 +39,17 @@ struct MachineCode::Frame {
     const double* factors;
     double minus_one;
     std::int64_t integrates, k, last, end;  // end: of the orders of which middles are wanted
+    // of chunks that repeat themselves
+    double unit = 0.0;
+    std::ptrdiff_t second = 0, third = 0;
+    const SeriesEvaluator::Step* steps = nullptr;
+    const int* states = nullptr;
 };
 
 class MachineCodeWriter {
 public:
-    explicit MachineCodeWriter(const SeriesEvaluator& series) : e_(series) { share_middles(); }
+    /// Of all that it has to compute, or of what repeats itself.
+    explicit MachineCodeWriter(const SeriesEvaluator& series, const Repetition* repetition = nullptr);
 
     /// Whether code would be shorter than what a processor holds near, and all is in it.
     static bool takes(const SeriesEvaluator& series);
@@ -64,9 +75,13 @@ private:
     // where things are
     std::ptrdiff_t in_storage(const double* p) const { return 8 * (p - e_.storage_.data()); }
     std::ptrdiff_t in_lanes(const series::LaneValues* p) const { return 32 * (p - e_.lanes_.data()); }
-    At newest(const double* p) const { return {Register::bx, in_storage(p)}; }
-    At fixed(const double* p) const { return {Register::r9, in_storage(p)}; }
-    At backwards(const double* p) const { return {Register::bp, in_storage(p)}; }
+    /// A coefficient of order 0 of a slot, from where a register points.
+    At slot(Register base, const double* p) const;
+    At newest(const double* p) const { return slot(Register::bx, p); }
+    At fixed(const double* p) const { return slot(Register::r9, p); }
+    At backwards(const double* p) const { return slot(Register::bp, p); }
+    /// Where a weight is, by what holds it; none: it is 1 or -1, as its scalar.
+    std::optional<At> weight(const void* holder, std::ptrdiff_t scalar) const;
     At next_of(const series::LaneSum& s) const;
 
     // newest coefficients, and lanes of them, that are in registers
@@ -90,8 +105,8 @@ private:
     void give(const series::View& out, Vector from);
     /// The register in which an order finds the newest coefficient of a variable; none: in none. They are there until
     /// what is computed needs their places.
-    static Vector carrier(std::size_t motion) {
-        return motion < carried_count ? static_cast<Vector>(first_carried + motion) : none;
+    Vector carrier(std::size_t motion) const {
+        return repetition_ == nullptr && motion < carried_count ? static_cast<Vector>(first_carried + motion) : none;
     }
     Vector carried(std::ptrdiff_t key) const;
     /// Loads them: order k, or what will be k.
@@ -118,8 +133,8 @@ private:
     // middles of products (machine_code_middle.ipp)
     struct Middle {
         const series::LaneValues *x, *y;
-        std::size_t last;  // product: it is computed behind that one's sum
-        int packed;        // which pair of series; -1: none, those of its product
+        std::size_t index, last;  // last product: it is computed behind that one's sum
+        int packed;               // which pair of series; -1: none, those of its product
     };
     /// Of a product in a middle: from where on, and which of its own lanes.
     struct Share {
@@ -135,11 +150,11 @@ private:
     void share_middles();
     void pack(const series::LaneValues* series, Vector from);
     void set_middles();
-    void middle(std::size_t index);
+    void middle(const Middle& m);
     At middle_of(const Share& share, int part) const;
     /// Whether middles are computed an order before they are asked for: where there are so many that they would not
     /// stay near the processor until then they are computed when they are, in registers.
-    bool are_ahead() const { return e_.lane_products_.size() <= most_ahead; }
+    bool are_ahead() const { return repetition_ == nullptr && e_.lane_products_.size() <= most_ahead; }
     static constexpr std::size_t most_ahead = 20;
     /// From an order's lanes to those of the order before its middles.
     std::ptrdiff_t before_middle() const { return are_ahead() ? 0 : -32; }
@@ -169,6 +184,8 @@ private:
     void slope(const Step& s);
 
     const SeriesEvaluator& e_;
+    const Repetition* repetition_;
+    Repetition::Chunk model_{};  // of what repeats itself
     std::vector<Share> shares_;  // by product
     std::vector<Middle> middles_;
     std::vector<Packing> packings_;

@@ -4,9 +4,11 @@
 #include "rbdyn/expression/machine_code_writer.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -20,6 +22,12 @@
 
 #ifdef RBDYN_WRITES_MACHINE_CODE
 namespace rbdyn::inline RBDYN_FORM {
+
+RBDYN_INLINE MachineCodeWriter::MachineCodeWriter(const SeriesEvaluator& series, const Repetition* repetition)
+    : e_(series), repetition_(repetition) {
+    if (repetition_ != nullptr) model_ = *repetition_->chunk(repetition_->model());
+    if (are_ahead()) share_middles();
+}
 
 RBDYN_INLINE bool MachineCodeWriter::takes(const SeriesEvaluator& e) {
     const std::size_t products = e.lane_products_.size(), middle = static_cast<std::size_t>(e.top_) / 2;
@@ -53,14 +61,16 @@ RBDYN_INLINE std::span<const std::uint8_t> MachineCodeWriter::write() {
     c_.land(to_first);
     load_carried(0);
     order(Order::first);
-    const std::size_t from_first = c_.jump_if(Assembler::When::at_least);
+    // of what repeats itself, an order alone
+    const auto over = [this] { return repetition_ != nullptr ? c_.jump() : c_.jump_if(Assembler::When::at_least); };
+    const std::size_t from_first = over();
     c_.land(to_odd);
     const std::size_t odd_start = c_.size();
     order(Order::odd);
-    const std::size_t from_odd = c_.jump_if(Assembler::When::at_least);
+    const std::size_t from_odd = over();
     c_.land(to_even);
     order(Order::even);
-    c_.jump_if(Assembler::When::below, odd_start);
+    if (repetition_ == nullptr) c_.jump_if(Assembler::When::below, odd_start);
     c_.land(from_first);
     c_.land(from_odd);
     c_.leave_four();
@@ -77,8 +87,25 @@ RBDYN_INLINE std::span<const std::uint8_t> MachineCodeWriter::write() {
 }
 
 RBDYN_INLINE MachineCodeWriter::At MachineCodeWriter::next_of(const series::LaneSum& s) const {
-    const auto offset = reinterpret_cast<const char*>(&s.next) - reinterpret_cast<const char*>(e_.lane_sums_.data());
-    return {Register::r15, offset};
+    const series::LaneSum* const first = e_.lane_sums_.data() + model_.sums;
+    return {Register::r15, reinterpret_cast<const char*>(&s.next) - reinterpret_cast<const char*>(first)};
+}
+
+RBDYN_INLINE MachineCodeWriter::At MachineCodeWriter::slot(Register base, const double* p) const {
+    if (repetition_ == nullptr) return {base, in_storage(p)};
+    constexpr Register index[Repetition::kinds] = {Register::sp, Register::r11, Register::r14};
+    const auto [kind, distance] = repetition_->slot(in_storage(p));
+    return {base, distance, false, index[kind]};
+}
+
+RBDYN_INLINE std::optional<MachineCodeWriter::At> MachineCodeWriter::weight(const void* holder,
+                                                                            std::ptrdiff_t scalar) const {
+    if (repetition_ != nullptr) {
+        const std::optional<std::ptrdiff_t> place = repetition_->weight(holder);
+        return place ? std::optional(At{Register::si, 8 * *place}) : std::nullopt;
+    }
+    if (std::abs(e_.program_->constant(static_cast<int>(scalar))) == 1.0) return std::nullopt;
+    return At{Register::si, 8 * scalar};
 }
 
 RBDYN_INLINE MachineCodeWriter::Vector MachineCodeWriter::value(const double* slot, Vector otherwise) {
@@ -111,6 +138,11 @@ RBDYN_INLINE void MachineCodeWriter::order(Order which) {
     forget();
     are_carried_ = true;
     set_registers();
+    if (repetition_ != nullptr) {
+        const auto [first, last] = e_.wavefront_->chunks[repetition_->model()].stages;
+        for (std::size_t b = e_.first_block_[first]; b < e_.first_block_[last]; ++b) block(e_.blocks_[b]);
+        return integrate();
+    }
     for (const SeriesEvaluator::Block& b : e_.blocks_) block(b);
     integrate();
     c_.move(r8, At{di, offsetof(Frame, k)});
@@ -129,6 +161,10 @@ RBDYN_INLINE void MachineCodeWriter::set_registers() {
     c_.move(si, At{di, offsetof(Frame, scalars)});
     c_.move(r8, At{di, offsetof(Frame, k)});
     c_.move(r9, At{di, offsetof(Frame, storage)});
+    if (repetition_ != nullptr) {
+        c_.move(r11, At{di, offsetof(Frame, second)});
+        c_.move(r14, At{di, offsetof(Frame, third)});
+    }
     c_.clear(zero);
     set_middles();
 }
@@ -138,16 +174,28 @@ RBDYN_INLINE void MachineCodeWriter::integrate() {
     c_.move(di, At{sp, 0});
     c_.compare(At{di, offsetof(Frame, integrates)}, 0);
     const std::size_t to_given = c_.jump_if(Assembler::When::equal);
-    c_.move(ax, At{di, offsetof(Frame, k)});
-    c_.shift_left(ax, 3);
-    c_.move(cx, At{di, offsetof(Frame, factors)});
-    c_.add(ax, cx);
-    c_.load(0, At{ax, 0});
+    std::span<const SeriesEvaluator::Motion> all{e_.motion_.data(), e_.motion_.size()};
+    if (repetition_ != nullptr) {
+        c_.move(r8, At{di, offsetof(Frame, k)});
+        c_.add(r8, 1);
+        c_.convert(0, r8);
+        c_.load(1, At{di, offsetof(Frame, unit)});
+        c_.divide_one(0, 1, 0);
+        const auto [first, last] = e_.wavefront_->chunks[repetition_->model()].inputs;
+        all = all.subspan(first, last - first);
+    } else {
+        c_.move(ax, At{di, offsetof(Frame, k)});
+        c_.shift_left(ax, 3);
+        c_.move(cx, At{di, offsetof(Frame, factors)});
+        c_.add(ax, cx);
+        c_.load(0, At{ax, 0});
+    }
     std::size_t i = 0;
-    for (const SeriesEvaluator::Motion& m : e_.motion_) {
+    for (const SeriesEvaluator::Motion& m : all) {
         const Vector carried = carrier(i++), to = carried != none ? carried : Vector(1);
         c_.multiply_one(to, 0, value(m.rate, 1));
-        c_.store(newest(m.input + 1), to);
+        c_.store(Assembler::beyond(newest(m.input), 8), to);
+        if (repetition_ != nullptr && m.last != nullptr) c_.store(Assembler::beyond(backwards(m.last), -8), to);
     }
     const std::size_t past = c_.jump();
     c_.land(to_given);
@@ -197,14 +245,13 @@ RBDYN_INLINE void MachineCodeWriter::copy(const series::View& v) { c_.store(back
 RBDYN_INLINE void MachineCodeWriter::terms(const Term* first, const Term* last, Vector sum, Vector to) {
     for (; first != last; ++first, sum = to) {
         const Vector x = known(key(first->series));
-        const double weight = e_.program_->constant(static_cast<int>(first->weight));
-        if (weight == 1.0 || weight == -1.0) {
-            const auto add = [&](auto which) {
-                weight > 0.0 ? c_.add_one(to, sum, which) : c_.subtract_one(to, sum, which);
-            };
+        const std::optional<At> at = weight(first, first->weight);
+        if (!at) {
+            const bool adds = e_.program_->constant(static_cast<int>(first->weight)) > 0.0;
+            const auto add = [&](auto which) { adds ? c_.add_one(to, sum, which) : c_.subtract_one(to, sum, which); };
             x != none ? add(x) : add(newest(first->series));
         } else {
-            c_.load(0, At{Register::si, 8 * first->weight});
+            c_.load(0, *at);
             x != none ? c_.multiply_one(0, 0, x) : c_.multiply_one(0, 0, newest(first->series));
             c_.add_one(to, sum, 0);
         }
@@ -214,7 +261,9 @@ RBDYN_INLINE void MachineCodeWriter::terms(const Term* first, const Term* last, 
 RBDYN_INLINE void MachineCodeWriter::mixed(const SeriesEvaluator::Mixed& m, const series::LaneSum* from) {
     const Vector to = room();
     const bool has_constant = order_ == Order::first && m.weight >= 0;
-    if (has_constant) c_.load(to, At{machine_code::Register::si, 8 * static_cast<std::ptrdiff_t>(m.weight)});
+    if (has_constant)
+        c_.load(to, repetition_ != nullptr ? *weight(&m, m.weight)
+                                           : At{Register::si, 8 * static_cast<std::ptrdiff_t>(m.weight)});
     Vector sum = has_constant ? to : zero;
     terms(m.first, m.last, sum, to);
     if (m.first != m.last) sum = to;
@@ -270,7 +319,7 @@ RBDYN_INLINE void MachineCodeWriter::sums(const SeriesEvaluator::Sums& s) {
     if (order_ == Order::odd && are_ahead())
         for (std::size_t i = 0; i < middles_.size(); ++i) {
             const series::LaneProduct* const last = &e_.lane_products_[middles_[i].last];
-            if (last >= s.sum->first && last < (s.sum_end - 1)->last) middle(i);
+            if (last >= s.sum->first && last < (s.sum_end - 1)->last) middle(middles_[i]);
         }
 }
 
@@ -283,10 +332,12 @@ RBDYN_INLINE void MachineCodeWriter::pair(const double* low, const double* high,
 RBDYN_INLINE void MachineCodeWriter::gather(const series::LaneSeries& s) {
     const std::ptrdiff_t i = &s - e_.lane_series_.data();
     const Schedule::Series& weights = e_.lane_weights_[static_cast<std::size_t>(i)];
+    const std::optional<std::ptrdiff_t> place = repetition_ != nullptr ? repetition_->weight(&s) : std::nullopt;
     const bool are_halves_same = s.from[0] == s.from[2] && s.from[1] == s.from[3];
-    const bool is_weighted = std::ranges::any_of(weights, [this](const Schedule::Weighted& w) {
-        return w.scalar != Schedule::one && (w.scalar < 0 || e_.program_->constant(w.scalar) != 1.0);
-    });
+    const bool is_weighted =
+        repetition_ != nullptr ? place.has_value() : std::ranges::any_of(weights, [this](const Schedule::Weighted& w) {
+            return w.scalar != Schedule::one && (w.scalar < 0 || e_.program_->constant(w.scalar) != 1.0);
+        });
     // a register whose old value may be among those that are laid out is written last
     const bool are_all_same = are_halves_same && s.from[0] == s.from[1];
     const Vector x = are_all_same ? known(key(s.from[0])) : none;
@@ -299,8 +350,9 @@ RBDYN_INLINE void MachineCodeWriter::gather(const series::LaneSeries& s) {
         c_.join(laid, 0, are_halves_same ? 0 : 1);
     else
         x != none ? c_.spread(laid, x) : c_.spread(laid, newest(s.from[0]));
-    const auto weight = static_cast<std::ptrdiff_t>(offsetof(series::LaneSeries, weight));
-    if (is_weighted) c_.multiply_four(to, 0, At{Register::r14, i * static_cast<std::ptrdiff_t>(sizeof s) + weight});
+    constexpr std::ptrdiff_t each = sizeof s, weight = offsetof(series::LaneSeries, weight);
+    if (is_weighted)
+        c_.multiply_four(to, 0, place ? At{Register::si, 8 * *place} : At{Register::r14, i * each + weight});
     c_.store_four(At{Register::r12, in_lanes(s.to)}, to);
     know(to, key(s.to));
     pack(s.to, to);
@@ -347,9 +399,8 @@ RBDYN_INLINE void MachineCodeWriter::even(const series::LaneSum& s) {
         c_.add_four(next_lanes, is_first ? zero : next_lanes, third);
     };
     for (const auto* p = s.first; p != s.last; ++p) {
-        const Share& share = shares_[static_cast<std::size_t>(p - e_.lane_products_.data())];
         const std::ptrdiff_t x = in_lanes(p->x), y = in_lanes(p->y);
-        if (!are_ahead()) middle(share.middle);
+        if (!are_ahead()) middle({p->x, p->y, 0, 0, -1});
         const Vector x_k = value(p->x, 4), y_k = value(p->y, 5);
         if (!are_ahead()) {
             c_.multiply_four(6, y_k, At{r13, x + 32});
@@ -363,6 +414,7 @@ RBDYN_INLINE void MachineCodeWriter::even(const series::LaneSum& s) {
             add(a, b, c, d, p == s.first);
             continue;
         }
+        const Share& share = shares_[static_cast<std::size_t>(p - e_.lane_products_.data())];
         c_.multiply_four(c, y_k, At{r13, x + 32});
         c_.multiply_four(d, x_k, At{r13, y + 32});
         c_.multiply_four(a, y_k, At{r13, x});

@@ -25,6 +25,8 @@
 
 namespace rbdyn::inline RBDYN_FORM {
 
+class RepeatedCode;  // repeated_code.hpp
+
 class SeriesEvaluator {
 public:
     enum class Use : std::uint8_t { any, expansion };
@@ -32,6 +34,7 @@ public:
     SeriesEvaluator(const Program& program, int max_order, Use use = Use::any);
     SeriesEvaluator(const SeriesEvaluator&) = delete;
     SeriesEvaluator& operator=(const SeriesEvaluator&) = delete;
+    ~SeriesEvaluator();
 
     const Program& program() const { return *program_; }
     /// As if it were new.
@@ -69,15 +72,14 @@ public:
         if (whole && !is_one_behind) advance(order);
     }
     /// From now on as on a processor without lanes of four: the same bits.
-    void go_without_lanes_of_four() { run_ = &plain; }
+    void go_without_lanes_of_four();
     /// From now on by machine code (machine_code.hpp) at once, or not at all; else from when it pays. The same bits.
-    void use_machine_code(bool is_used) {
-        run_ = is_used ? usual() : widest();
-        expansions_ = MachineCode::expansions;
-    }
-    bool has_machine_code() const { return code_ != nullptr; }
-    /// Of a program that is larger than the caches: kept for nobody.
-    bool is_large() const { return wavefront_ != nullptr; }
+    void use_machine_code(bool is_used);
+    bool has_machine_code() const { return code_ != nullptr || repeated_ != nullptr; }
+    /// That of chunks that repeat themselves (repeated_code.hpp).
+    bool has_repeated_code() const { return repeated_ != nullptr; }
+    /// Of a program that is larger than the caches: it may have room for one use alone.
+    bool is_large() const { return is_large_; }
 
     /// Coefficients of an output, of a switch, of any slot.
     const double* output(int index) const { return coefficients(program_->output(index)); }
@@ -111,6 +113,8 @@ public:
 private:
     friend class MachineCode;
     friend class MachineCodeWriter;
+    friend class RepeatedCode;
+    friend class Repetition;
     friend class StreamedSeries;
     // instructions with their series found once
     struct ResolvedTerm {
@@ -194,6 +198,11 @@ private:
     void advance_in(std::ptrdiff_t k);
     template <class Lanes>
     void advance_blocks(const Block* block, const Block* end, std::ptrdiff_t k);
+    /// What a chunk computes at order k, and the next order of its inputs.
+    template <class Lanes>
+    void advance_chunk(std::size_t place, int k);
+    /// Makes code of chunks that repeat themselves, if it pays from now on.
+    void make_repeated();
     /// All orders, one behind the other.
     template <class Lanes>
     void sweep(int orders);
@@ -256,8 +265,10 @@ private:
     LargeVector<Mixed> with_sums_, mixed_;
     LargeVector<Step> steps_;
     LargeVector<Motion> motion_;
-    std::unique_ptr<const Wavefront> wavefront_;  // of a program that is larger than the caches
-    std::vector<std::size_t> first_block_;        // by stage, after those of the inputs; then the end
+    // of a program that is larger than the caches, or repeats itself
+    std::unique_ptr<const Wavefront> wavefront_;
+    bool is_large_ = false;
+    std::vector<std::size_t> first_block_;  // by stage, after those of the inputs; then the end
     bool may_overflow_ = false, overflows_ = false;
     std::vector<const double*> bases_;  // of powers, where they begin
     bool zeros_stay_ = true;
@@ -269,8 +280,9 @@ private:
     LargeVector<series::LaneProduct> lane_products_;
     LargeVector<series::LaneSum> lane_sums_;
     std::unique_ptr<MachineCode> code_;
-    bool is_whole_ = false;  // the expansion that is made
-    int expansions_ = 0;     // so far, until there is code
+    std::unique_ptr<RepeatedCode> repeated_;  // instead of that, of chunks
+    bool is_whole_ = false;                   // the expansion that is made
+    int expansions_ = 0;                      // so far, until there is code
     Run run_ = usual();
     std::unique_ptr<StreamedSeries> stream_;  // instead of all lists, of a program that is larger than the caches
 };

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <limits>
 #include <memory>
+#include <numeric>
 #include <span>
 #include <utility>
 #include <vector>
@@ -18,6 +19,7 @@
 #include "rbdyn/expression/machine_code.hpp"
 #include "rbdyn/expression/program.hpp"
 #include "rbdyn/expression/program_weights.hpp"
+#include "rbdyn/expression/repeated_code.hpp"
 #include "rbdyn/expression/schedule.hpp"
 #include "rbdyn/expression/streamed_series.hpp"
 #include "rbdyn/expression/wavefront.hpp"
@@ -36,6 +38,19 @@ RBDYN_INLINE SeriesEvaluator::SeriesEvaluator(const Program& program, int max_or
     resolve();
 }
 
+RBDYN_INLINE SeriesEvaluator::~SeriesEvaluator() = default;
+
+RBDYN_INLINE void SeriesEvaluator::go_without_lanes_of_four() {
+    run_ = &plain;
+    repeated_ = nullptr;
+}
+
+RBDYN_INLINE void SeriesEvaluator::use_machine_code(bool is_used) {
+    run_ = is_used ? usual() : widest();
+    expansions_ = MachineCode::expansions;
+    if (!is_used) repeated_ = nullptr;
+}
+
 RBDYN_INLINE void SeriesEvaluator::renew() {
     std::fill(storage_.begin(), storage_.end(), 0.0);
     run_ = usual();
@@ -44,6 +59,7 @@ RBDYN_INLINE void SeriesEvaluator::renew() {
 RBDYN_INLINE void SeriesEvaluator::set_parameters(std::span<const double> parameters, Program::Rounding rounding) {
     program_->set_parameters(parameters, scalars_, rounding);
     if (stream_ != nullptr) return stream_->set_weights(scalars_);
+    if (repeated_ != nullptr) repeated_->set_weights(scalars_);
     const auto weight = [&](const Schedule::Weighted& w) {
         if (w.scalar < 0) return w.scalar == Schedule::one ? 1.0 : 0.0;
         return scalars_[static_cast<std::size_t>(w.scalar)];
@@ -147,28 +163,45 @@ RBDYN_INLINE_LANES void SeriesEvaluator::advance_blocks(const Block* block, cons
     }
 }
 
+namespace sweeps {
+
+// so many orders are computed while what they read is in the first cache, along so much of the row
+inline constexpr int orders_at_a_time = 3, fronts_at_a_time = 8;
+
+}  // namespace sweeps
+
 template <class Lanes>
 RBDYN_INLINE_LANES void SeriesEvaluator::sweep(int orders) {
+    using sweeps::orders_at_a_time, sweeps::fronts_at_a_time;
     set_constants();
     const Block* const blocks = blocks_.data();
     // of inputs
     advance_blocks<Lanes>(blocks, blocks + first_block_.front(), 0);
     const int count = static_cast<int>(wavefront_->chunks.size());
-    for (int front = 0; front < count + orders - 1; ++front) {
+    for (int from = 0; from < count + orders - 1; from += fronts_at_a_time) {
         Interruption::point();
-        const int first = std::max(0, front - count + 1), last = std::min(orders, front + 1);
-        for (int k = first; k < last; ++k) {
-            const Wavefront::Chunk& chunk = wavefront_->chunks[static_cast<std::size_t>(front - k)];
-            advance_blocks<Lanes>(blocks + first_block_[chunk.stages.first], blocks + first_block_[chunk.stages.last],
-                                  k);
-            if (k == top_) continue;
-            const double factor = unit_ / (k + 1);
-            for (std::size_t i = chunk.inputs.first; i < chunk.inputs.last; ++i) {
-                const Motion& m = motion_[i];
-                m.input[k + 1] = m.rate[k] * factor;
-                if (m.last != nullptr) m.last[-(k + 1)] = m.input[k + 1];
+        const int to = std::min(from + fronts_at_a_time, count + orders - 1);
+        for (int lowest = 0; lowest < orders; lowest += orders_at_a_time)
+            for (int front = from; front < to; ++front) {
+                const int first = std::max(lowest, front - count + 1),
+                          last = std::min({lowest + orders_at_a_time, orders, front + 1});
+                for (int k = first; k < last; ++k) advance_chunk<Lanes>(static_cast<std::size_t>(front - k), k);
             }
-        }
+    }
+}
+
+template <class Lanes>
+RBDYN_INLINE_LANES void SeriesEvaluator::advance_chunk(std::size_t place, int k) {
+    if (repeated_ != nullptr && repeated_->run(*this, place, k)) return;
+    const Wavefront::Chunk& chunk = wavefront_->chunks[place];
+    advance_blocks<Lanes>(blocks_.data() + first_block_[chunk.stages.first],
+                          blocks_.data() + first_block_[chunk.stages.last], k);
+    if (k == top_) return;
+    const double factor = unit_ / (k + 1);
+    for (std::size_t i = chunk.inputs.first; i < chunk.inputs.last; ++i) {
+        const Motion& m = motion_[i];
+        m.input[k + 1] = m.rate[k] * factor;
+        if (m.last != nullptr) m.last[-(k + 1)] = m.input[k + 1];
     }
 }
 
@@ -199,7 +232,19 @@ __attribute__((target("avx2"))) RBDYN_INLINE void SeriesEvaluator::compute_wide(
                                                                                 const Step& step, int k) {
     series.compute<series::Four>(step, k);
 }
+RBDYN_INLINE void SeriesEvaluator::make_repeated() {
+    // code is that of one of them, and what it gains goes with how many there are
+    if (stream_ != nullptr || repeated_ != nullptr ||
+        expansions_++ < MachineCode::expansions / static_cast<int>(wavefront_->chunks.size()))
+        return;
+    repeated_ = RepeatedCode::of(*this);
+    if (repeated_ == nullptr) expansions_ = std::numeric_limits<int>::min();  // not again
+}
 RBDYN_INLINE void SeriesEvaluator::by_code(SeriesEvaluator& series, int first, int last, bool integrates) {
+    if (series.wavefront_ != nullptr) {
+        if (first == 0 && integrates) series.make_repeated();
+        return wide(series, first, last, integrates);
+    }
     if (series.code_ == nullptr) {
         if (first > 0 || series.expansions_++ < MachineCode::expansions) return wide(series, first, last, integrates);
         series.code_ = MachineCode::of(series);
@@ -460,10 +505,15 @@ RBDYN_INLINE void SeriesEvaluator::resolve() {
         sizeof(double) * static_cast<std::size_t>(program_->slots()) * static_cast<std::size_t>(stride_) +
         sizeof(series::LaneValues) * schedule.series.size() * static_cast<std::size_t>(top_ + 1);
     const std::vector<int> backwards = read_backwards(*program_);
-    if (size > large && !may_overflow_ && !program_->has_calls()) {
-        auto wavefront = std::make_unique<const Wavefront>(*program_, schedule, top_);
+    is_large_ = size > large;
+    const bool may_repeat =
+        program_->instructions().size() >= RepeatedCode::fewest_instructions && RepeatedCode::is_usable();
+    if ((is_large_ || may_repeat) && !may_overflow_ && !program_->has_calls()) {
+        auto wavefront = std::make_unique<const Wavefront>(*program_, schedule, top_,
+                                                           may_repeat ? RepeatedCode::fewest_chunks : 0, is_large_);
         if (!wavefront->chunks.empty()) wavefront_ = std::move(wavefront);
     }
+    is_large_ = is_large_ && wavefront_ != nullptr;
     make_room(wavefront_ != nullptr, backwards);
     if (wavefront_ != nullptr && !wavefront_->is_skewed) {
         stream_ = std::make_unique<StreamedSeries>(*program_, schedule, *wavefront_, top_, backwards);
@@ -593,27 +643,35 @@ RBDYN_INLINE std::pair<std::vector<std::size_t>, std::size_t> SeriesEvaluator::l
     const Schedule& schedule) const {
     const std::size_t all = schedule.series.size();
     std::vector<std::size_t> place(all);
-    std::size_t places = all;
-    if (wavefront_ != nullptr && use_ == Use::expansion) {
-        // of each chunk the first series; of each series the last chunk that reads it
-        const std::vector<Wavefront::Chunk>& chunks = wavefront_->chunks;
-        std::vector<std::size_t> first{0}, last_reader(all, 0);
-        for (std::size_t c = 0; c < chunks.size(); ++c)
-            for (std::size_t s = chunks[c].stages.first; s < chunks[c].stages.last; ++s) {
-                const Schedule::Stage& stage = schedule.stages[s];
-                for (std::size_t sum = stage.sums.first; sum < stage.sums.last; ++sum)
-                    for (std::size_t p = schedule.sums[sum].first; p < schedule.sums[sum].last; ++p)
-                        last_reader[schedule.products[p].x] = last_reader[schedule.products[p].y] = c;
-                if (s + 1 == chunks[c].stages.last) first.push_back(stage.series.last);
-            }
-        // it does so at its last order so many chunks later, and before that one begins
-        const std::size_t behind = static_cast<std::size_t>(top_) + 1;
-        places = 1;
-        for (std::size_t i = 0; i < all; ++i)
-            places = std::max(places, first[std::min(last_reader[i] + behind, chunks.size())] - i);
+    if (!is_large_ || use_ != Use::expansion) {
+        std::iota(place.begin(), place.end(), std::size_t{0});
+        return {std::move(place), all};
     }
-    for (std::size_t i = 0; i < all; ++i) place[i] = i % places;
-    return {std::move(place), places};
+    // of each chunk the first series; of each series its chunk, and the last one that reads it
+    const std::vector<Wavefront::Chunk>& chunks = wavefront_->chunks;
+    std::vector<std::size_t> first{0}, chunk_of(all, 0), last_reader(all, 0);
+    std::size_t most = 1;
+    for (std::size_t c = 0; c < chunks.size(); ++c) {
+        std::size_t end = first.back();
+        for (std::size_t s = chunks[c].stages.first; s < chunks[c].stages.last; ++s) {
+            const Schedule::Stage& stage = schedule.stages[s];
+            for (std::size_t sum = stage.sums.first; sum < stage.sums.last; ++sum)
+                for (std::size_t p = schedule.sums[sum].first; p < schedule.sums[sum].last; ++p)
+                    last_reader[schedule.products[p].x] = last_reader[schedule.products[p].y] = c;
+            end = stage.series.last;
+        }
+        std::fill(chunk_of.begin() + static_cast<std::ptrdiff_t>(first.back()),
+                  chunk_of.begin() + static_cast<std::ptrdiff_t>(end), c);
+        most = std::max(most, end - first.back());
+        first.push_back(end);
+    }
+    // it does so at its last order so many chunks later (sweep()); a chunk's are side by side
+    const std::size_t behind = static_cast<std::size_t>(top_ + sweeps::fronts_at_a_time);
+    std::size_t chunks_apart = 1;
+    for (std::size_t i = 0; i < all; ++i)
+        chunks_apart = std::max(chunks_apart, std::min(last_reader[i] + behind, chunks.size()) - chunk_of[i]);
+    for (std::size_t i = 0; i < all; ++i) place[i] = chunk_of[i] % chunks_apart * most + (i - first[chunk_of[i]]);
+    return {std::move(place), chunks_apart * most};
 }
 
 RBDYN_INLINE void SeriesEvaluator::make_room(bool is_large, const std::vector<int>& backwards) {

@@ -32,8 +32,9 @@ public:
     };
 
     /// Of a program whose output i is the derivative of input i. Leaves the schedule as it is, and no chunks, if there
-    /// would be one alone.
-    Wavefront(const Program& program, Schedule& schedule, int order);
+    /// would be one alone. `fewest`: a row that repeats itself in so many chunks is worth to be skewed, however short
+    /// it is (0: none is); `is_large`: whether others are worth to be cut.
+    Wavefront(const Program& program, Schedule& schedule, int order, std::size_t fewest = 0, bool is_large = true);
 
     std::vector<Chunk> chunks;
     std::vector<int> inputs;
@@ -51,14 +52,18 @@ private:
 
     /// All parts, what is needed before what needs it.
     static std::vector<Part> parts_of(const Program& program, const Schedule& schedule);
+    /// After so many parts others of the same kinds follow, again and again; 0: they do not.
+    static std::size_t period(const Schedule& schedule, const std::vector<Part>& row);
     /// By how many places an input comes behind one who needs it, at most.
     static std::size_t reach(const Program& program, const Schedule& schedule, const std::vector<Part>& row);
     /// Takes a schedule's lists apart and puts them together again, chunk by chunk.
     void cut(const std::vector<Part>& row, std::size_t length, Schedule& schedule);
 
     // instructions of a chunk share the price of going from one to the next
-    static constexpr std::size_t shortest = 64;
+    static constexpr std::size_t shortest = 64, shortest_alike = 32;
     static constexpr std::size_t part_at_work = 2;
+    // of a period: code of a chunk is to stay in the first cache
+    static constexpr std::size_t longest = 256;
     // of a row that is cut for what is read soon alone
     static constexpr std::size_t plain = 256;
 };

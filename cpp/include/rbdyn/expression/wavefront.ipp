@@ -46,14 +46,20 @@ void writes(const Program& program, const Instruction& i, const Take& take) {
 
 }  // namespace wavefronts
 
-RBDYN_INLINE Wavefront::Wavefront(const Program& program, Schedule& schedule, int order) {
+RBDYN_INLINE Wavefront::Wavefront(const Program& program, Schedule& schedule, int order, std::size_t fewest,
+                                  bool is_large) {
     std::vector<Part> row = parts_of(program, schedule);
     std::stable_sort(row.begin(), row.end(), [](const Part& a, const Part& b) { return a.key < b.key; });
-    const std::size_t length = std::max(reach(program, schedule, row), shortest);
-    is_skewed = part_at_work * length * wavefronts::at(order + 1) < row.size();
+    const std::size_t most_reach = reach(program, schedule, row), repeats_after = period(schedule, row);
+    std::size_t length = std::max(most_reach, shortest);
+    // chunks of whole periods are all alike (repetition.hpp)
+    if (repeats_after > 0)
+        length = (std::max(most_reach, shortest_alike) + repeats_after - 1) / repeats_after * repeats_after;
+    is_skewed = (is_large && part_at_work * length * wavefronts::at(order + 1) < row.size()) ||
+                (fewest > 0 && repeats_after > 0 && row.size() >= fewest * length);
     if (is_skewed)
         cut(row, length, schedule);
-    else if (plain < row.size())
+    else if (is_large && plain < row.size())
         cut(row, plain, schedule);
 }
 
@@ -100,6 +106,35 @@ RBDYN_INLINE std::vector<Wavefront::Part> Wavefront::parts_of(const Program& pro
         parts.push_back({Part::Kind::input, last, static_cast<std::uint32_t>(i), of_slot[at(rate)]});
     }
     return parts;
+}
+
+RBDYN_INLINE std::size_t Wavefront::period(const Schedule& schedule, const std::vector<Part>& row) {
+    // two parts of another kind may have the same number here: then their chunks are found to be unlike
+    std::vector<std::uint32_t> kind_of;
+    kind_of.reserve(row.size());
+    const auto with = [](std::uint32_t kind, const Instruction& i) {
+        for (const int number : {static_cast<int>(i.code), i.terms, i.products})
+            kind = 31 * kind + static_cast<std::uint32_t>(number);
+        return kind;
+    };
+    for (const Part& part : row) {
+        auto kind = static_cast<std::uint32_t>(part.kind);
+        if (part.kind == Part::Kind::other) kind = with(kind, *schedule.others[part.index]);
+        if (part.kind == Part::Kind::sum) {
+            const Schedule::Part& sum = schedule.parts[part.index];
+            kind += 31 * static_cast<std::uint32_t>(sum.series.last - sum.series.first);
+            for (std::size_t c = sum.combinations.first; c < sum.combinations.last; ++c)
+                kind = with(kind, *schedule.combinations[c].instruction);
+        }
+        kind_of.push_back(kind);
+    }
+    // where it begins and ends it is another
+    const auto first = kind_of.begin() + static_cast<std::ptrdiff_t>(row.size() / 4),
+               last = kind_of.begin() + static_cast<std::ptrdiff_t>(3 * row.size() / 4);
+    constexpr std::size_t often = 6;
+    for (std::size_t p = 1; p <= std::min(longest, row.size() / often); ++p)
+        if (std::equal(first, last, first + static_cast<std::ptrdiff_t>(p))) return p;
+    return 0;
 }
 
 RBDYN_INLINE std::size_t Wavefront::reach(const Program& program, const Schedule& schedule,

@@ -4,6 +4,7 @@
 // wherever they slide, and what stands flat on a plane of such a body parallel to its own does as well. So the normal
 // stays what it is: what rounded forces leave of accelerations along it, and of turns about other axes, is taken away.
 // Left there a tilt would grow as the square of the time, and what its own weight then makes of it as the fourth power.
+// A particle keeps to the planes it touches: to the line of two, and in the corner of three it does not move.
 #pragma once
 
 #include <algorithm>
@@ -30,17 +31,18 @@
 
 namespace rbdyn::inline RBDYN_FORM::mechanics {
 
-/// The plane that a body stands flat on, in the world.
+/// The plane that a body stands flat on, or a particle touches, in the world.
 struct Level {
     Vector3 own;                          // its normal, or against it, axes of the body
     Vector3Of<DoubleDouble> normal;       // unit
-    Vector3Of<DoubleDouble> tangents[2];  // of a body in a plane the first is the way it slides
+    Vector3Of<DoubleDouble> tangents[2];  // the first of them are the ways it may go
+    std::size_t ways;                     // how many: of a body in a plane one
     bool turns;                           // about the normal
 
     /// What of an acceleration goes along the plane.
     Vector3Of<Expression> along(const Vector3Of<Expression>& a) const {
         Vector3Of<Expression> result = none<Expression>();
-        for (std::size_t k = 0; k < (turns ? 2u : 1u); ++k) {
+        for (std::size_t k = 0; k < ways; ++k) {
             const Vector3Of<Expression> way = exactly<Expression>(tangents[k]);
             result += Vector3Of<Expression>(way * dot<Expression>(way, a));
         }
@@ -93,7 +95,7 @@ inline std::optional<Level> standing(const Node& node, const std::vector<const C
     if (node.joint.as<FreeBodyLaw>() != nullptr) {
         const auto own = normal_through(points);
         if (!own) return std::nullopt;
-        return Level{*own, normal, {tangents[0], tangents[1]}, true};
+        return Level{*own, normal, {tangents[0], tangents[1]}, 2, true};
     }
     const PlanarLaw* law = node.joint.as<PlanarLaw>();
     if (law == nullptr) return std::nullopt;
@@ -112,12 +114,31 @@ inline std::optional<Level> standing(const Node& node, const std::vector<const C
     }());
     if (!own) return std::nullopt;
     Vector3Of<DoubleDouble> way = cross<DoubleDouble>(law->normal, normal);
-    return Level{*own, normal, {way, way}, false};
+    return Level{*own, normal, {way, way}, 1, false};
+}
+
+/// How a particle goes on along the planes of the world that it touches.
+inline Level touching(const std::vector<const ContactLaw*>& on) {
+    constexpr double least = 1e-3;
+    const ContactLaw& first = *on.front();
+    Level level{Vector3::Zero(), first.normal, {first.tangents[0], first.tangents[1]}, 2, false};
+    for (const ContactLaw* c : on) {
+        if (level.ways == 2) {
+            const Vector3Of<DoubleDouble> line = cross<DoubleDouble>(level.normal, c->normal);
+            const DoubleDouble length = sqrt(dot<DoubleDouble>(line, line));
+            if (!(static_cast<double>(length) > least)) continue;
+            level.tangents[0] = line * (DoubleDouble(1.0) / length);
+            level.ways = 1;
+        } else if (level.ways == 1 && std::abs(rounded(level.tangents[0]).dot(rounded(c->normal))) > least) {
+            level.ways = 0;
+        }
+    }
+    return level;
 }
 
 }  // namespace leveling
 
-/// The bodies of a tree that stand flat, where contacts do what their states say.
+/// The bodies of a tree that stand flat, and particles that touch planes, where contacts do what their states say.
 inline std::vector<std::optional<Level>> levels(const Tree& tree, const Conditions& conditions,
                                                 std::span<const signed char> states) {
     const auto place = [](int body) { return static_cast<std::size_t>(body); };
@@ -128,12 +149,18 @@ inline std::vector<std::optional<Level>> levels(const Tree& tree, const Conditio
         const bool is_flat = c.part == ContactLaw::Part::ball && c.surface == ContactLaw::Surface::plane;
         if (states[k] != flies && is_flat && tree.node(c.a.body).parent < 0) feet[place(c.a.body)].push_back(&c);
     }
+    for (std::size_t i = 0; i < found.size(); ++i) {
+        if (tree.node(static_cast<int>(i)).joint.as<FreePointLaw>() == nullptr) continue;
+        std::vector<const ContactLaw*> on;
+        std::ranges::copy_if(feet[i], std::back_inserter(on), [](const ContactLaw* c) { return c->b.body < 0; });
+        if (!on.empty()) found[i] = leveling::touching(on);
+    }
     // what stands on what stands
     for (bool goes_on = true; goes_on;) {
         goes_on = false;
         for (std::size_t i = 0; i < found.size(); ++i)
             for (const ContactLaw* c : feet[i]) {
-                if (found[i]) break;
+                if (found[i] || tree.node(static_cast<int>(i)).is_point) break;
                 const std::optional<Level>* below = c->b.body < 0 ? nullptr : &found[place(c->b.body)];
                 if (below != nullptr && !(*below && leveling::are_parallel((*below)->own, rounded(c->normal))))
                     continue;
@@ -150,7 +177,7 @@ inline std::vector<std::optional<Level>> levels(const Tree& tree, const Conditio
 }
 
 /// Takes from rates of variables, and from the accelerations of bodies behind them, in the layout of tree_state.hpp,
-/// what bodies do not have that stand flat.
+/// what these do not have.
 inline void keep_level(const Tree& tree, const std::vector<std::optional<Level>>& levels,
                        std::vector<Expression>& values) {
     const auto replace = [](Expression* to, const Vector3Of<Expression>& v) { std::copy_n(v.data(), 3, to); };
@@ -160,8 +187,12 @@ inline void keep_level(const Tree& tree, const std::vector<std::optional<Level>>
         const Level& level = *levels[static_cast<std::size_t>(i)];
         Expression* const rates = values.data() + tree.positions() + tree.node(i).v;
         Expression* const acts = values.data() + tree.variables() + 12 * i + 6;
-        replace(acts, level.about(vector(acts)));
         replace(acts + 3, level.along(vector(acts + 3)));
+        if (tree.node(i).is_point) {
+            replace(rates, level.along(vector(rates)));
+            continue;
+        }
+        replace(acts, level.about(vector(acts)));
         if (const auto* law = tree.node(i).joint.as<PlanarLaw>()) {
             const Vector3Of<Expression> x = exactly<Expression>(law->x), y = exactly<Expression>(law->y),
                                         a = level.along(Vector3Of<Expression>(x * rates[0] + y * rates[1]));
