@@ -4,6 +4,7 @@
 #include "rbdyn/mechanics/assemble.ipp"
 #include "rbdyn/mechanics/closure.ipp"
 #include "rbdyn/mechanics/constraint.ipp"
+#include "rbdyn/mechanics/critical.ipp"
 #include "rbdyn/mechanics/exert.ipp"
 #include "rbdyn/mechanics/loosening.ipp"
 #include "rbdyn/mechanics/redundant.ipp"

@@ -144,6 +144,7 @@
 #include "rbdyn/mechanics/cone_choice.ipp"
 #include "rbdyn/mechanics/cone_program.ipp"
 #include "rbdyn/mechanics/constraint.ipp"
+#include "rbdyn/mechanics/critical.ipp"
 #include "rbdyn/mechanics/exert.ipp"
 #include "rbdyn/mechanics/foot.ipp"
 #include "rbdyn/mechanics/friction_cones.ipp"

@@ -10,6 +10,7 @@
 
 #include <array>
 #include <cmath>
+#include <complex>
 #include <cstddef>
 #include <memory>
 #include <optional>
@@ -128,8 +129,12 @@ private:
 
     /// The length of a step near a place where constraints lose rank, expanded anew where doubles lose digits there.
     double near_singular_length(double length, double span);
-    /// Expands a step with 32 digits.
+    /// Expands a step with 32 digits, from a state that satisfies the constraints to as many.
     void expand_widely();
+    void expand_widely(const std::vector<DoubleDouble>& x);
+    /// Anew where a series runs into a place at which the rounding of what constraints are made of matters; false where
+    /// it does not.
+    bool expand_beside(const std::vector<std::complex<double>>& places, double length);
 
     /// The longest step, in units, whose estimated local error is the tolerance times the scale of the motion.
     double step_length(double span);

@@ -378,11 +378,31 @@ RBDYN_INLINE void TaylorEngine::expand_widely() {
     std::vector<DoubleDouble> x(x_.size());
     for (std::size_t i = 0; i < x.size(); ++i) x[i] = DoubleDouble(exact_sum(x_[i], low_[i]));
     if (projection_) projection_->refine(x, t_.hi);
+    expand_widely(x);
+}
+
+RBDYN_INLINE void TaylorEngine::expand_widely(const std::vector<DoubleDouble>& x) {
     workshop_->wide->set_parameters(parameters_);
     workshop_->wide->expand(t_.hi, unit_, x);
     workshop_->wide->give(*series_);
     abreast_ = nullptr;
     is_wide_ = true;
+}
+
+RBDYN_INLINE bool TaylorEngine::expand_beside(const std::vector<std::complex<double>>& places, double length) {
+    if (!projection_ || places.empty()) return false;
+    const auto near = [](const auto& a, const auto& b) { return std::abs(a) < std::abs(b); };
+    // a series tells nothing of what is further away: it is found from here
+    const double away = std::min_element(places.begin(), places.end(), near)->real(),
+                 tau = std::abs(away) <= 1.5 * length ? away : 0.0;
+    std::vector<DoubleDouble> x, there;
+    for (int i = 0; i < equations_->variables(); ++i) {
+        x.push_back(workshop_->wide->input(i, 0.0));
+        there.push_back(workshop_->wide->input(i, tau));
+    }
+    if (!projection_->refine_beside(x, t_.hi, there, t_.hi + tau * unit_)) return false;
+    expand_widely(x);
+    return true;
 }
 
 RBDYN_INLINE double TaylorEngine::near_singular_length(double length, double span) {
@@ -392,8 +412,15 @@ RBDYN_INLINE double TaylorEngine::near_singular_length(double length, double spa
     if (NearSingular::loses_digits(places, std::min(length, most)) && !equations_->program.has_calls()) {
         expand_widely();
         if (!series_->is_finite(order_ - 1)) return length;
-        length = singular.told(*series_, order_, step_length(span) * unevenness(), log_tolerance_);
-        places = singular.places(*series_, order_, std::min(length, most));
+        const auto look = [&] {
+            length = singular.told(*series_, order_, step_length(span) * unevenness(), log_tolerance_);
+            places = singular.places(*series_, order_, std::min(length, most));
+        };
+        look();
+        if (expand_beside(places, length)) {
+            if (!series_->is_finite(order_ - 1)) return length;
+            look();
+        }
     }
     const double clear = NearSingular::clear_of(places, std::min(length, most), length >= most);
     return clear < most ? clear : length;

@@ -216,9 +216,9 @@ std::vector<std::vector<double>> dependences(const Tree& tree, const Conditions&
                                              const std::vector<Moving<double>>& all);
 
 /// All variables moved onto the constraints, from where they are, in 32 digits. Returns the largest gap that is left.
-/// `most`: changes to try.
+/// `most`: changes to try. `open`: of each row of constraints how far it stays open; nothing if empty (critical.hpp).
 [[gnu::cold]] double close(const Tree& tree, const Conditions& conditions, const std::vector<int>& rows, double t,
-                           std::vector<DoubleDouble>& x, int most = 12);
+                           std::vector<DoubleDouble>& x, int most = 12, const std::vector<double>& open = {});
 
 /// The same after every step, and |q| = 1 of attitudes. What is held by friction has rows of velocities and one of its
 /// gap that are not the same.
@@ -241,12 +241,19 @@ public:
     int positions() const override { return size_ > 0.0 ? tree_->positions() : 0; }
 
     void refine(std::vector<DoubleDouble>& x, double t) const override;
+    bool refine_beside(std::vector<DoubleDouble>& x, double t, const std::vector<DoubleDouble>& there,
+                       double then) const override;
 
 private:
     std::shared_ptr<const Tree> tree_;
     std::shared_ptr<const Conditions> conditions_;
     std::vector<int> rows_, closed_;
     double size_, near_;  // the second: a gap that one step of Newton's method closes to all digits [m]
+
+    /// Whether rows of velocities are those of gaps, and of constraints.
+    bool is_of_constraints() const {
+        return !rows_.empty() && rows_ == closed_ && rows_.back() < conditions_->constraint_rows();
+    }
 };
 
 }  // namespace mechanics

@@ -11,9 +11,17 @@
 #include <vector>
 
 #include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/mechanics/critical.hpp"
 #include "rbdyn/model/compensated.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::mechanics {
+
+namespace closing {
+
+/// Changes to try where a state of doubles is moved onto constraints in 32 digits.
+inline constexpr int passes = 6;
+
+}  // namespace closing
 
 RBDYN_INLINE double closing::least_arm(const Tree& tree, const Conditions& conditions) {
     double least = 0.0;
@@ -116,13 +124,14 @@ RBDYN_INLINE std::vector<std::vector<double>> dependences(const Tree& tree, cons
 }
 
 RBDYN_INLINE double close(const Tree& tree, const Conditions& conditions, const std::vector<int>& rows, double t,
-                          std::vector<DoubleDouble>& x, int most) {
+                          std::vector<DoubleDouble>& x, int most, const std::vector<double>& open) {
     const auto doubles = [&] { return closing::moving<double>(tree, t, closing::nearest(x)); };
     double left = 0.0, before = std::numeric_limits<double>::infinity();
     tree.follow<DoubleDouble>(t, x.data());
     for (int pass = 0; pass < most; ++pass) {
-        const auto gaps = closing::of_constraints(
+        auto gaps = closing::of_constraints(
             conditions.gaps<DoubleDouble>(tree, closing::moving<DoubleDouble>(tree, t, x)), conditions);
+        for (std::size_t r = 0; r < open.size(); ++r) gaps[r] -= open[r];
         left = closing::largest(closing::nearest(gaps));
         if (left == 0.0 || (pass > 3 && left >= before)) break;
         before = left;
@@ -205,9 +214,16 @@ RBDYN_INLINE Projection::Off TreeProjection::off(std::span<const double> x, std:
 RBDYN_INLINE void TreeProjection::refine(std::vector<DoubleDouble>& x, double t) const {
     closing::normalize<DoubleDouble>(*tree_, x);
     // of contacts the rows of velocities are not those of gaps
-    if (rows_.empty() || rows_ != closed_ || rows_.back() >= conditions_->constraint_rows()) return;
-    constexpr int passes = 6;
-    close(*tree_, *conditions_, rows_, t, x, passes);
+    if (is_of_constraints()) close(*tree_, *conditions_, rows_, t, x, closing::passes);
+}
+
+RBDYN_INLINE bool TreeProjection::refine_beside(std::vector<DoubleDouble>& x, double t,
+                                                const std::vector<DoubleDouble>& there, double then) const {
+    if (!is_of_constraints()) return false;
+    const auto near = critical_near(*tree_, *conditions_, rows_.size(), then, there);
+    if (!near || near->most == 0.0 || near->most > critical::rounding) return false;
+    close(*tree_, *conditions_, rows_, t, x, closing::passes, near->open);
+    return true;
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM::mechanics

@@ -21,6 +21,7 @@
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/mechanics/closure.hpp"
+#include "rbdyn/mechanics/critical.hpp"
 #include "rbdyn/mechanics/driven.hpp"
 #include "rbdyn/mechanics/loosening.hpp"
 #include "rbdyn/mechanics/redundant.hpp"
@@ -182,24 +183,36 @@ RBDYN_INLINE void TreeModel::guard_loops(EquationsWriter& write, const mechanics
 
 RBDYN_INLINE std::optional<Acting> TreeModel::acting_near_singular(const Mode& mode, double t,
                                                                    std::span<const double> x) const {
-    if (first_pivots_.empty() || mode.equations == nullptr || kept_rows(mode) != rows_) return std::nullopt;
+    if (first_pivots_.empty() || mode.equations == nullptr) return std::nullopt;
+    const std::vector<int> rows = used_rows(mode);
+    if (kept_rows(mode) != rows) return std::nullopt;
     // of a pivot, and of what it is left of: doubles have 13 digits of a force there, and 10
     constexpr double small = 1e-2, least = 1e-6;
+    // of rows that are chosen on the way, of which no pivot is the first: of all that they could be
+    constexpr double small_of_all = 1e-4;
     std::vector<double> pivots;
-    const mechanics::closing::Responses responses(*tree_, *conditions_, rows_, moving(t, x));
+    const mechanics::closing::Responses responses(*tree_, *conditions_, rows, moving(t, x));
     const auto matrix = responses.matrix();
-    mechanics::solve_definite<double>(matrix, std::vector<double>(rows_.size(), 0.0), &pivots);
+    mechanics::solve_definite<double>(matrix, std::vector<double>(rows.size(), 0.0), &pivots);
     bool is_near = false;
-    for (std::size_t j = 0; j < pivots.size(); ++j)
-        is_near = is_near || !(pivots[j] > std::max(small * first_pivots_[j], least * matrix[j][j]));
+    for (std::size_t j = 0; j < pivots.size(); ++j) {
+        const double whole = rows == rows_ ? small * first_pivots_[j] : small_of_all * units_[at(rows[j])];
+        is_near = is_near || !(pivots[j] > std::max(whole, least * matrix[j][j]));
+    }
     if (!is_near) return std::nullopt;
     std::vector<DoubleDouble> there(x.begin(), x.end());
     mechanics::closing::normalize<DoubleDouble>(*tree_, there);
-    mechanics::close(*tree_, *conditions_, rows_, t, there);
+    // the branch goes on through the place, whatever rounding of their numbers makes of it
+    std::vector<double> stays;
+    if (const auto place = mechanics::critical_near(*tree_, *conditions_, rows.size(), t, there);
+        place && place->most <= mechanics::critical::rounding)
+        stays = place->open;
+    mechanics::close(*tree_, *conditions_, rows, t, there, 12, stays);
     // at the place itself nothing says which branch it is
     const auto closed = mechanics::closing::moving<DoubleDouble>(*tree_, t, there);
-    const double open =
-        mechanics::closing::largest(mechanics::closing::chosen(conditions_->gaps<DoubleDouble>(*tree_, closed), rows_));
+    auto gaps = conditions_->gaps<DoubleDouble>(*tree_, closed);
+    for (std::size_t r = 0; r < stays.size(); ++r) gaps[r] -= stays[r];
+    const double open = mechanics::closing::largest(mechanics::closing::chosen(gaps, rows));
     if (!(open <= 1e-24 * size_of(moving(t, x)))) return std::nullopt;
     return acting_widely(mode, t, there);
 }

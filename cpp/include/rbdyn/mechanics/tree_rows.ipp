@@ -16,6 +16,7 @@
 
 #include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/mechanics/closure.hpp"
+#include "rbdyn/mechanics/critical.hpp"
 #include "rbdyn/mechanics/redundant.hpp"
 #include "rbdyn/mechanics/tree_model.hpp"
 #include "rbdyn/mechanics/tree_writer.hpp"
@@ -30,6 +31,8 @@ inline constexpr double better = 0.3, much_better = 1.0, loss = 1.0;
 /// Looks in vain, after which all rows lose rank; and the powers of ten that are guarded.
 inline constexpr signed char most_looks = 3;
 inline constexpr int least = 30;
+/// Of the numbers that a place is made of: by how much two branches miss each other that are no longer one.
+inline constexpr double misses = 1e-10;
 
 }  // namespace tree_rows
 
@@ -101,7 +104,13 @@ RBDYN_INLINE void TreeModel::renew_rows(Mode& mode, double t, std::span<const do
     // where all have lost rank and have it back, as a linkage that goes round has each turn, one look in vain is enough
     // for the next time: deeper ones would come as near to that place as a change of the mode must not
     looks = is_better ? 0 : level < 0 ? tree_rows::most_looks : has_lost ? looks + 1 : 0;
-    if (looks > tree_rows::most_looks) {
+    // a linkage that comes near to such a place keeps its rank, which other rows then have though those that are used
+    // lose it
+    const auto lose_rank = [&] {
+        const auto place = mechanics::critical_near(*tree_, *conditions_, rows_.size(), t, {x.begin(), x.end()});
+        return place && place->most <= tree_rows::misses;
+    };
+    if (looks > tree_rows::most_looks && lose_rank()) {
         // all of them lose rank: they are looked at again where they have it back
         level = static_cast<signed char>(-level);
         looks = 0;

@@ -114,6 +114,10 @@ public:
     virtual int positions() const;
     /// Moves a state of 32 digits to where constraints hold, with as many.
     virtual void refine(std::vector<DoubleDouble>& x, double t) const;
+    /// The same beside a place where constraints lose rank, `there` at time `then`, found roughly: to where they hold
+    /// but for what the rounding of their numbers leaves open at that place. False where nothing is.
+    virtual bool refine_beside(std::vector<DoubleDouble>& x, double t, const std::vector<DoubleDouble>& there,
+                               double then) const;
     /// Whether it adds what rounded constants of the equations leave out.
     virtual bool makes_up_for_rounding() const;
 };

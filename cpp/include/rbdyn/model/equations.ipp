@@ -23,6 +23,10 @@ RBDYN_INLINE double least_share(double wanted, double size) {
 }
 
 RBDYN_INLINE void Projection::refine(std::vector<DoubleDouble>& /*x*/, double /*t*/) const {}
+RBDYN_INLINE bool Projection::refine_beside(std::vector<DoubleDouble>& /*x*/, double /*t*/,
+                                            const std::vector<DoubleDouble>& /*there*/, double /*then*/) const {
+    return false;
+}
 
 RBDYN_INLINE Projection::Off Projection::off(std::span<const double> /*x*/, std::span<const double> /*low*/,
                                              double /*t*/) const {
