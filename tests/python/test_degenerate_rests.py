@@ -2,6 +2,7 @@
 
 import math
 from decimal import Decimal, getcontext
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -279,3 +280,77 @@ def test_an_arm_on_a_cart_at_its_critical_load_is_at_rest_upright(fourth, beside
     (state,) = rb.equilibria(scene, near=[beside, 1.1 * beside])
     assert np.abs(state.coordinates).max() < 1e-15
     assert state.decided and state.stable == (fourth > 0.0)
+
+
+# strict minima, saddles and others of one rest, in axes turned by an angle; the powers of y and x^2 by hand
+ONE_REST = {
+    "banana of 8": (lambda x, y: (y - x**2) ** 2 + x**8, 0.0, True),
+    "banana of 6": (lambda x, y: (y - x**2) ** 2 + x**6, 0.7, True),
+    "saddle of 6": (lambda x, y: (y - x**2) ** 2 - x**6, 0.7, False),
+    "sixth": (lambda x, y: y**2 + x**6, 0.7, True),
+    "fourth": (lambda x, y: y**2 + x**4, 0.7, True),
+    "fifth": (lambda x, y: y**2 + x**5, 0.7, False),
+}
+
+
+def in_unit(name, unit, start=(0.0, 0.0)):
+    """Mass and time in 1, lengths in `unit`: V unit^2 of (x, y)/unit."""
+    potential, angle, _ = ONE_REST[name]
+    c, s = math.cos(angle), math.sin(angle)
+
+    def field(r):
+        x, y = r[0] / unit, r[1] / unit
+        return -(unit**2) * (potential(c * x + s * y, c * y - s * x) + 0.5 * (r[2] / unit) ** 2)
+
+    scene = rb.Scene()
+    point = scene.add(rb.Particle(1.0), position=[start[0] * unit, start[1] * unit, 0.0])
+    scene.apply(rb.Potential(field), point)
+    return scene
+
+
+@pytest.mark.parametrize("unit", [1e-20, 1e-12, 1e-6, 1e-3, 1.0, 1e3, 1e4, 1e6, 1e9, 1e14, 1e20])
+@pytest.mark.parametrize("name", ONE_REST)
+def test_what_is_stable_is_so_in_any_unit_of_length(name, unit):
+    (state,) = rb.equilibria(in_unit(name, unit), near=[0, 0, 0])
+    assert np.abs(state.coordinates).max() < 1e-12 * unit
+    assert state.decided and state.stable == ONE_REST[name][2]
+    for near in (0.1, 0.1), (-0.2, 0.3), (1e-3, 1e-3), (1e-7, -1e-8):
+        for state in rb.equilibria(in_unit(name, unit), near=[near[0] * unit, near[1] * unit, 0.0]):
+            assert np.abs(state.coordinates).max() < 1e-2 * unit
+            assert not state.decided or state.stable == ONE_REST[name][2]
+
+
+@pytest.mark.parametrize("unit", [1e-9, 1.0, 1e9])
+@pytest.mark.parametrize("turned", [0.0, 0.7, 2.0])
+def test_what_runs_away_in_a_valley_rests_nowhere_else(turned, unit):
+    # (y - x^2)^2 - x^6 has one rest; the forces there, in exact fractions of what doubles are
+    c, s = math.cos(turned), math.sin(turned)
+    random = np.random.default_rng(3)
+    starts = [(0.1, 0.1), (-0.2, 0.3), (0.05, 0.05), *random.normal(size=(5, 2))]
+    for start in starts:
+        scene = rb.Scene()
+        point = scene.add(rb.Particle(1.0), position=[start[0] * unit, start[1] * unit, 0.0])
+
+        def field(r):
+            x, y = (c * r[0] + s * r[1]) / unit, (c * r[1] - s * r[0]) / unit
+            return -((y - x**2) ** 2 - x**6 + 0.5 * (r[2] / unit) ** 2)
+
+        scene.apply(rb.Potential(field), point)
+        for near in None, [start[0] * unit, start[1] * unit, 0.0]:
+            for state in rb.equilibria(scene, near=near) if near else rb.equilibria(scene):
+                p, q = (Fraction(float(z)) / Fraction(unit) for z in state.coordinates[:2])
+                x, y = Fraction(c) * p + Fraction(s) * q, Fraction(c) * q - Fraction(s) * p
+                along, across = 4 * x * (y - x**2) + 6 * x**5, 2 * (y - x**2)
+                assert abs(along) < 1e-12 and abs(across) < 1e-12
+                assert not state.stable
+
+
+@pytest.mark.parametrize("place", [0.0, 1.0, 1e3])
+def test_rests_that_are_flat_all_around_are_kept_where_they_are_met(place):
+    scene = rb.Scene()
+    point = scene.add(rb.Particle(1.0), position=[place + 0.3, place - 0.2, 0.0])
+    scene.apply(rb.Potential(lambda r: -((r[0] - place) ** 4 + (r[1] - place) ** 4 + r[2] ** 4)), point)
+    for near in None, [place, place, 0.0]:
+        (state,) = rb.equilibria(scene, near=near) if near else rb.equilibria(scene)
+        assert state.coordinates[:2] == pytest.approx([place, place], abs=1e-4)
+        assert not state.decided or state.stable

@@ -6,20 +6,26 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
+#include <optional>
 #include <string>
 #include <variant>
 
 #include "rbdyn/basics/vector.hpp"
+#include "rbdyn/curve/circle.hpp"
 #include "rbdyn/curve/curve.hpp"
 #include "rbdyn/expression/function.hpp"
 #include "rbdyn/expression/given.hpp"
 #include "rbdyn/expression/node.hpp"
+#include "rbdyn/scene/constraints.hpp"
 #include "rbdyn/scene/couplings.hpp"
 #include "rbdyn/scene/handles.hpp"
+#include "rbdyn/scene/joint_loads.hpp"
 #include "rbdyn/scene/joints.hpp"
 #include "rbdyn/scene/loads.hpp"
 #include "rbdyn/scene/rigid_motion.hpp"
 #include "rbdyn/scene/scene.hpp"
+#include "rbdyn/scene/surfaces.hpp"
 #include "rbdyn/scene/torque.hpp"
 #include "rbdyn/scene/watch.hpp"
 
@@ -37,6 +43,7 @@ RBDYN_INLINE void Remaining::push(const Vector3& force) {
         momentum[i] = momentum[i] && force[i] == 0.0;
         angular[i] = angular[i] && force[(i + 1) % 3] == 0.0 && force[(i + 2) % 3] == 0.0;
     }
+    if (!force.isZero(0.0)) lines.push_back(direction(force));
 }
 
 RBDYN_INLINE void Remaining::hold(const Vector3& point) {
@@ -44,8 +51,19 @@ RBDYN_INLINE void Remaining::hold(const Vector3& point) {
     points.push_back(point);
 }
 
+RBDYN_INLINE void Remaining::turn_about(const Vector3& point, const Vector3& axis, bool slides) {
+    if (slides)
+        keep_along(momentum, axis);
+    else
+        for (bool& kept : momentum) kept = false;
+    keep_along(angular, axis);
+    points.push_back(point);
+    lines.push_back(direction(axis));
+}
+
 RBDYN_INLINE void Remaining::twist() {
     for (bool& kept : angular) kept = false;
+    any_line = false;
 }
 
 RBDYN_INLINE void Remaining::keep_along(bool (&kept)[3], const Vector3& axis) {
@@ -58,6 +76,23 @@ RBDYN_INLINE Vector3 Remaining::settle() {
         for (int i = 0; i < 3; ++i)
             for (const int k : {(i + 1) % 3, (i + 2) % 3}) angular[i] = angular[i] && p[k] == pole[k];
     return pole;
+}
+
+RBDYN_INLINE std::optional<Vector3> Remaining::line(const Vector3& pole) const {
+    constexpr double rounding = 8.0 * std::numeric_limits<double>::epsilon();
+    if (!any_line) return std::nullopt;
+    Vector3 along = lines.empty() ? Vector3(Vector3::Zero()) : lines.front();
+    if (lines.empty())
+        for (const Vector3& p : points)
+            if (Vector3(p - pole).norm() > along.norm()) along = p - pole;
+    if (along.isZero(0.0)) return std::nullopt;
+    along = direction(along);
+    for (const Vector3& other : lines)
+        if (!(along.cross(other).norm() <= rounding)) return std::nullopt;
+    for (const Vector3& p : points)
+        if (!(Vector3(p - pole).cross(along).norm() <= rounding * (p.norm() + pole.norm()))) return std::nullopt;
+    if (along[greatest(sizes(along))] < 0.0) along = -along;
+    return along;
 }
 
 RBDYN_INLINE void take_load(const Scene& scene, const Scene::AppliedLoad& load, Remaining& left) {
@@ -83,9 +118,13 @@ RBDYN_INLINE void take_load(const Scene& scene, const Scene::AppliedLoad& load, 
         return Remaining::keep_along(left.momentum, lorentz->field);
     }
     const TorsionSpring* spring = std::get_if<TorsionSpring>(&load.load);
+    const bool is_force = std::holds_alternative<JointForce>(load.load);
     left.energy = left.energy && spring != nullptr && spring->damping.is_zero();
+    // between two bodies, along or about what joins them
+    const bool in_joint = spring != nullptr || is_force || std::holds_alternative<JointTorque>(load.load);
+    if (in_joint && scene.bodies()[static_cast<std::size_t>(load.body)].parent >= 0) return;
     left.twist();
-    if (std::holds_alternative<Drag>(load.load)) left.push_anyhow();
+    if (is_force || std::holds_alternative<Drag>(load.load)) left.push_anyhow();
 }
 
 RBDYN_INLINE void take_joint(const Scene::Body& b, Remaining& left) {
@@ -103,10 +142,17 @@ RBDYN_INLINE void take_joint(const Scene::Body& b, Remaining& left) {
         left.energy = left.only_weight = false;
     // what joins bodies to each other is no force from outside
     if (b.parent >= 0) return;
-    if (std::holds_alternative<Universal>(b.joint) || std::holds_alternative<Cylindrical>(b.joint) ||
-        std::holds_alternative<Planar>(b.joint) || std::holds_alternative<Fixed>(b.joint)) {
+    if (std::holds_alternative<Universal>(b.joint) || std::holds_alternative<Fixed>(b.joint)) {
         left.only_weight = false;
         return left.push_anyhow();
+    }
+    if (const Planar* plane = std::get_if<Planar>(&b.joint)) {
+        left.only_weight = false;
+        return has_friction ? left.push_anyhow() : left.push(plane->x.cross(plane->y));
+    }
+    if (const Cylindrical* pipe = std::get_if<Cylindrical>(&b.joint)) {
+        left.only_weight = false;
+        return has_friction ? left.push_anyhow() : left.turn_about(pipe->at, pipe->axis, true);
     }
     const auto slides_along = [&](const Vector3& axis) {
         left.twist();
@@ -115,16 +161,18 @@ RBDYN_INLINE void take_joint(const Scene::Body& b, Remaining& left) {
     if (const Rail* rail = b.rail()) {
         const bool is_ideal = !rail->friction() && !rail->motion().present();
         left.only_weight = false;
-        if (!is_ideal || !rail->curve().straight() || rail->may_release()) return left.push_anyhow();
+        if (!is_ideal || rail->may_release()) return left.push_anyhow();
+        if (const Circle* circle = std::get_if<Circle>(&rail->curve().kind()))
+            return left.turn_about(circle->center, circle->placement().axes.col(2), false);
+        if (!rail->curve().straight()) return left.push_anyhow();
         slides_along(rail->curve().first(b.parameter));
     } else if (has_friction && std::holds_alternative<Prismatic>(b.joint)) {
         left.push_anyhow();
     } else if (const Prismatic* slide = std::get_if<Prismatic>(&b.joint)) {
         slides_along(slide->axis);
     } else if (const Revolute* hinge = std::get_if<Revolute>(&b.joint)) {
-        left.hold(hinge->at);
-        if (has_friction) return left.twist();
-        Remaining::keep_along(left.angular, hinge->axis);
+        left.turn_about(hinge->at, hinge->axis, false);
+        if (has_friction) left.twist();
     } else if (const Spherical* ball = std::get_if<Spherical>(&b.joint)) {
         left.hold(ball->at);
     }
@@ -146,14 +194,22 @@ RBDYN_INLINE Remaining remaining_of(const Scene& scene) {
     for (const Scene::Body& b : scene.bodies()) take_joint(b, left);
     for (const Scene::Held& c : scene.constraints()) {
         left.only_weight = false;
-        if (body_of(c.b) < 0) left.push_anyhow();
+        if (body_of(c.b) >= 0) continue;
+        if (const PointOnPlane* on = std::get_if<PointOnPlane>(&c.constraint))
+            left.push(on->plane.normal);
+        else
+            left.push_anyhow();
     }
     for (const Scene::Touch& c : scene.contacts()) {
         if (c.is_gone) continue;
         left.only_weight = false;
-        left.energy =
-            left.energy && c.options.restitution == 1.0 && !(c.options.friction && c.options.friction->present());
-        if (body_of(c.b) < 0) left.push_anyhow();
+        const bool is_rough = c.options.friction && c.options.friction->present();
+        left.energy = left.energy && c.options.restitution == 1.0 && !is_rough;
+        if (body_of(c.b) >= 0) continue;
+        if (const Plane* floor = std::get_if<Plane>(&c.b); floor != nullptr && !is_rough)
+            left.push(floor->normal);
+        else
+            left.push_anyhow();
     }
     for (const auto& c : scene.connections())
         if (is_present(c.coupling)) take_coupling(c, left);
@@ -186,6 +242,11 @@ RBDYN_INLINE FirstIntegrals first_integrals(const Scene& scene, const std::optio
     } else {
         for (int i = 0; i < 3; ++i)
             if (left.angular[i]) result.names.push_back("angular momentum " + components[i]);
+        const bool has_component = left.angular[0] || left.angular[1] || left.angular[2];
+        if (const auto axis = left.line(result.pole); axis && !has_component) {
+            result.names.push_back("axial angular momentum");
+            result.axis = *axis;
+        }
     }
     if (body && body->keeps_spin) result.names.push_back("spin");
     return result;

@@ -38,6 +38,7 @@ struct Plan {
     std::vector<std::string> integrals;        // first integrals of the scene
     Vector3 pole = Vector3::Zero();            // what those of angular momentum are about
     Vector3 up{0, 0, 1};                       // against gravity
+    Vector3 axis{0, 0, 1};                     // of the axial angular momentum
     Placement view;                            // the axes the equations are written in
     std::shared_ptr<const SceneModel> model;   // the equations of motion, of one part
     std::shared_ptr<const ClosedForm> closed;  // the motion of one part in closed form, if there is one

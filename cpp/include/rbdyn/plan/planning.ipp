@@ -243,6 +243,7 @@ RBDYN_INLINE Plan plan_of(const Scene& scene, bool beside_rigid, const GivenNumb
     plan.integrals = conserved.names;
     plan.pole = conserved.pole;
     plan.up = conserved.up;
+    plan.axis = conserved.axis;
     for (const auto& integral : scene.integrals()) plan.integrals.push_back(integral.name);
     for (const Plan& part : plan.parts)
         for (const Omission& o : part.omissions)

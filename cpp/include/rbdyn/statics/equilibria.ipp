@@ -66,12 +66,12 @@ RBDYN_INLINE std::vector<Equilibrium> equilibria(const Scene& scene, const std::
     const bool is_alone = !is_tree && now.bodies().size() == 1;
     if (is_alone && first.rail() != nullptr) {
         const double place = near.empty() ? first.parameter : near[0];
-        return PathEquilibria(statics::alone(now, BodyHandle{0}, user), place).find();
+        return PathEquilibria(statics::alone(now, BodyHandle{0}, user), place, !near.empty()).find();
     }
     if (coordinates == 1 && now.constraints().empty()) {
         const Scene::Body& mover = *std::ranges::find_if(now.bodies(), statics::coordinates_of);
         if (std::holds_alternative<Revolute>(mover.joint) || std::holds_alternative<Prismatic>(mover.joint))
-            return PathEquilibria(now, near.empty() ? mover.parameter : near[0]).find();
+            return PathEquilibria(now, near.empty() ? mover.parameter : near[0], !near.empty()).find();
     }
     statics::TreeForces forces(now);
     require(forces.freedoms() > 0, user, "number of freedoms", forces.freedoms(), "something can move");

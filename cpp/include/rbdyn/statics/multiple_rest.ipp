@@ -13,6 +13,7 @@
 
 #include "rbdyn/basics/double_double.hpp"
 #include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/statics/natural_length.hpp"
 #include "rbdyn/statics/null_direction.hpp"
 #include "rbdyn/statics/pinned_rest.hpp"
 #include "rbdyn/statics/reduced_force.hpp"
@@ -145,14 +146,8 @@ RBDYN_INLINE std::optional<MultipleRest> multiple_rest(TreeForces& forces, const
         if (weight(i) > weight(held)) held = i;
     std::vector<double> along;
     for (int i = 0; i < n; ++i) along.push_back(rest.modes.shapes(i, mode) / rest.modes.shapes(held, mode));
-    // as far as a body turns by half a radian, or moves by half of the scene's size
-    double longest = std::numeric_limits<double>::infinity();
-    if (const double turning = forces.largest_turn(along); turning > 0.0) longest = 0.5 / turning;
-    if (const double moving = forces.largest_move(along); moving > 0.0) {
-        const double size =
-            std::max(forces.extent(), moving * forces.at_rest(forces.nearest(rest.place)).size[at(held)]);
-        longest = std::min(longest, 0.5 * size / moving);
-    }
+    const double longest =
+        reach_along(forces, rest.place, along, forces.at_rest(forces.nearest(rest.place)).size[at(held)]);
     if (!std::isfinite(longest)) return std::nullopt;
     TreeForces::Wide place = rest.place;
     std::optional<ReducedForce> reduced(std::in_place, forces, place, held);

@@ -32,7 +32,8 @@ private:
     std::vector<double> turned_back(std::vector<double> q);
     /// Directions of unit length, in the freedoms.
     std::vector<std::vector<double>> directions() const;
-    bool looks_about(double reach);
+    /// At places about, as far as a reach in units of every freedom; whether one led to a nearer zero.
+    bool looks_about(double reach, const std::vector<double>& units);
 
     TreeForces& forces_;
     std::vector<double> near_;

@@ -22,21 +22,23 @@ RBDYN_INLINE std::optional<std::vector<double>> NearestRest::find() {
     if (std::vector<double> q = near_; settle(forces_, q)) consider(std::move(q));
     const bool is_small = forces_.freedoms() <= most_freedoms;
     // as far as a body is turned round, and about the scene
-    for (const double reach : {0.25, 0.5, 1.0, 2.0, 4.0}) {
+    const std::vector<double> units = forces_.units();
+    for (const double reach : {0.25, 0.5, 1.0, 2.0, 4.0, 16.0, 64.0}) {
         if (best_) break;
-        looks_about(reach);
+        looks_about(reach, units);
     }
     constexpr int most_times = 6;
+    const std::vector<double> ones(units.size(), 1.0);
     for (int time = 0; time < most_times && best_ && is_small && distance_ > 0.0; ++time)
-        if (!looks_about(distance_)) break;
+        if (!looks_about(distance_, ones)) break;
     return best_;
 }
 
-RBDYN_INLINE bool NearestRest::looks_about(double reach) {
+RBDYN_INLINE bool NearestRest::looks_about(double reach, const std::vector<double>& units) {
     for (const double part : {0.9, 0.6, 0.3})
         for (const std::vector<double>& way : directions()) {
             std::vector<double> step = way;
-            for (double& x : step) x *= part * reach;
+            for (std::size_t i = 0; i < step.size(); ++i) step[i] *= part * reach * units[i];
             std::vector<double> q = forces_.moved(near_, step);
             if (consider(std::move(q))) return true;
         }

@@ -14,6 +14,7 @@
 #include "rbdyn/basics/double_double.hpp"
 #include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/interruption.hpp"
+#include "rbdyn/statics/natural_length.hpp"
 #include "rbdyn/statics/pinned_rest.hpp"
 #include "rbdyn/statics/tree_forces.hpp"
 
@@ -70,11 +71,7 @@ RBDYN_INLINE AlongNull along_null(TreeForces& forces, const PinnedRest& rest, co
         }
         return std::nullopt;
     };
-    // a step that turns a body by half a radian, or takes it half as far as the scene is wide
-    double longest = std::numeric_limits<double>::infinity();
-    if (const double turning = forces.largest_turn(unit); turning > 0.0) longest = 0.5 / turning;
-    if (const double moving = forces.largest_move(unit); moving > 0.0)
-        longest = std::min(longest, 0.5 * forces.extent() / moving);
+    const double longest = reach_along(forces, rest.place, unit), turning = forces.largest_turn(unit);
     if (!std::isfinite(longest)) return AlongNull::not_decided;
     bool is_felt = false;
     constexpr int seen = 4;  // steps in a row that have to agree
@@ -96,6 +93,12 @@ RBDYN_INLINE AlongNull along_null(TreeForces& forces, const PinnedRest& rest, co
                         std::abs(std::log2(std::abs(last[j][side].force / last[j - 1][side].force)) - power) < 0.2;
         if (agree && power >= 1.0)
             return last[0][0].force < 0.0 && last[0][1].force > 0.0 ? AlongNull::stable : AlongNull::unstable;
+    }
+    // what is moved, and not turned, goes on; what is nothing so far may come forth as far as there is a way
+    for (double s = 2.0 * longest; turning == 0.0 && !is_felt && s <= 0x1p40 * longest; s *= 2.0) {
+        const auto ahead = left(s), back = left(-s);
+        if (!ahead && !back) break;
+        is_felt = (ahead && !ahead->is_nothing()) || (back && !back->is_nothing());
     }
     return is_felt ? AlongNull::not_decided : AlongNull::indifferent;
 }

@@ -10,8 +10,8 @@
 // The rail is searched all along if it has two ends, for one round if it is closed; else on both sides of a place, as
 // far as 32 stretches on which one Taylor series holds go, each up to twice as long as the one before. A hinge is
 // searched for one turn; with a torsion spring, whose moment in the end outgrows all that repeats itself, as far as
-// there can be any, 1000 turns to both sides at most. One with a torque of its angle that is another one after a turn
-// is searched as a path without ends.
+// there can be any. One with a torque of its angle that is another one after a turn is searched as a path without ends.
+// Where this takes more pieces than are kept the list would lack some: it is refused, unless a place was asked for.
 // Accuracy: rounding of Q over its slope. Zeros nearer than rounding lets them be told apart count as one.
 //
 // Where Q is rounding beside the forces on a stretch, that is one of equilibria only if its formula ends with it: a
@@ -35,8 +35,9 @@ namespace rbdyn::inline RBDYN_FORM {
 
 class PathEquilibria {
 public:
-    /// `scene`: as of PathForces. `place`: about where a path without ends is searched.
-    PathEquilibria(const Scene& scene, double place);
+    /// `scene`: as of PathForces. `place`: about where a path without ends is searched, and, if that is `asked` for,
+    /// one of too many pieces. Throws InvalidInput for one of too many pieces otherwise.
+    PathEquilibria(const Scene& scene, double place, bool asked);
 
     std::vector<Equilibrium> find();
 
@@ -71,7 +72,7 @@ private:
     /// The angle of a hinge in (-pi, pi]; of one that stays wherever it is, that of the start.
     void turn_back(Equilibrium& e) const;
 
-    void walk();
+    void walk(bool asked);
     /// Where a piece is rounding: a zero of high order has no sign that shows within a twentieth of the piece, one of
     /// lower order is told by the roots unless it is at an end or in the middle.
     static std::vector<double> flat_places(const Piece& p);
@@ -129,10 +130,8 @@ private:
     /// The equilibria of an interval as one: at the zero of Q nearest its middle if there is one.
     Equilibrium resting(const Interval& i, bool stable) const;
 
-    // enough for a rail that is everything but smooth; and each way on one without end
-    static constexpr int most_pieces = 20000, most_stretches = 32;
-    // of a hinge with a torsion spring, to each side: some 10000 pieces
-    static constexpr double most_turns = 1000.0;
+    // some seconds; each way about a place asked for, if there are more; and each way on a path without end
+    static constexpr int most_pieces = 40000, most_about = 2000, most_stretches = 32;
     // a zero where the forces vanish too is closed in on so far, which leaves its piece longer than rounding of u
     static constexpr int most_halvings = 24;
 

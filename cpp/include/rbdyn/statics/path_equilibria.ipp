@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <limits>
 #include <numbers>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -24,7 +25,7 @@
 
 namespace rbdyn::inline RBDYN_FORM {
 
-RBDYN_INLINE PathEquilibria::PathEquilibria(const Scene& scene, double place)
+RBDYN_INLINE PathEquilibria::PathEquilibria(const Scene& scene, double place, bool asked)
     : forces_(scene), pieces_(forces_), place_(place) {
     const Domain d = forces_.domain();
     round_ = forces_.period();
@@ -40,7 +41,7 @@ RBDYN_INLINE PathEquilibria::PathEquilibria(const Scene& scene, double place)
         low_ = spring - reach;
         high_ = spring + reach;
     }
-    walk();
+    walk(asked);
     std::vector<Piece> path;
     for (const Piece& p : path_) refine(p, 0, path);
     path_ = std::move(path);
@@ -91,12 +92,19 @@ RBDYN_INLINE bool PathEquilibria::repeats() {
     // where its formulas agree on stretches they are the same
     bool is_same = true;
     const auto look = [&](const Piece& p) {
-        for (const double x : {-0.9375, -0.3125, 0.1875, 0.8125})
+        // beside what the angle's own rounding makes of them, which is more the farther on
+        double steepest = 0.0;
+        for (int k = 1; k <= statics::order; ++k)
+            steepest += k * std::abs(p.output[along][static_cast<std::size_t>(k)]) / p.half;
+        for (const double x : {-0.9375, -0.3125, 0.1875, 0.8125}) {
+            const double u = p.place(x), here = rest(u);
             for (const double turns : {-2.0, -1.0, 1.0, 3.0}) {
-                const double u = p.place(x), other = u + turns * turn;
-                const double noise = 1e-11 * std::max(forces_.effort(u), forces_.effort(other));
-                is_same = is_same && std::abs(rest(other) - rest(u)) <= noise;
+                const double other = u + turns * turn, way = std::abs(u) + std::abs(other);
+                const double noise = 1e-11 * std::max(forces_.effort(u), forces_.effort(other)) +
+                                     64.0 * epsilon * (p.bound() + (steepest + spring.stiffness) * way);
+                is_same = is_same && std::abs(rest(other) - here) <= noise;
             }
+        }
         return is_same;
     };
     try {
@@ -111,13 +119,15 @@ RBDYN_INLINE std::pair<double, double> PathEquilibria::wound() {
     const TorsionSpring spring = forces_.torsion();
     const double turn = 2.0 * std::numbers::pi;
     double most = 0.0;
-    pieces_.march(spring.rest_angle, spring.rest_angle + turn, most_pieces, [&](Piece p) {
+    const bool is_all = pieces_.march(spring.rest_angle, spring.rest_angle + turn, most_pieces, [&](Piece p) {
         p.output[along][0] += spring.stiffness * (p.middle - spring.rest_angle);
         p.output[along][1] += spring.stiffness * p.half;
         most = std::max(most, p.bound());
         return true;
     });
-    return {spring.rest_angle, std::min(1.0 + most / spring.stiffness, most_turns * turn)};
+    const double reach = 1.0 + most / spring.stiffness;
+    // more than are kept
+    return {spring.rest_angle, is_all ? reach : std::max(reach, turn)};
 }
 
 RBDYN_INLINE void PathEquilibria::turn_back(Equilibrium& e) const {
@@ -130,14 +140,31 @@ RBDYN_INLINE void PathEquilibria::turn_back(Equilibrium& e) const {
     angle -= round_;
 }
 
-RBDYN_INLINE void PathEquilibria::walk() {
+RBDYN_INLINE void PathEquilibria::walk(bool asked) {
     const auto keep = [&](const Piece& p) {
         path_.push_back(p);
         // the same force all along
         return !(p.endless && is_same_all_along(p));
     };
     if (std::isfinite(low_) && std::isfinite(high_)) {
-        pieces_.march(low_, high_, most_pieces, keep);
+        if (pieces_.march(low_, high_, most_pieces, keep)) return;
+        if (!asked)
+            throw InvalidInput(
+                "equilibria: from " + forces_.coordinate() + " " + text(low_) + " to " + text(high_) +
+                " the forces on " + forces_.name() + " change so often that more than " + std::to_string(most_pieces) +
+                " Taylor series are needed, and not every state of rest would be found; give near=, "
+                "about which " +
+                std::to_string(most_about) + " are searched on each side, or take away what changes so quickly");
+        // on both sides of the place
+        path_.clear();
+        place_ = std::clamp(place_, low_, high_);
+        pieces_.march(place_, low_, most_about, keep);
+        std::reverse(path_.begin(), path_.end());
+        pieces_.march(place_, high_, most_about, keep);
+        round_ = 0.0;
+        if (path_.empty()) return;
+        low_ = path_.front().begin();
+        high_ = path_.back().end();
         return;
     }
     pieces_.march(place_, low_, most_stretches, keep);

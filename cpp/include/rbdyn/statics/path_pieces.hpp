@@ -61,9 +61,10 @@ public:
     explicit PathPieces(const PathForces& forces) : forces_(forces), formula_(forces.first_formula()) { resolve(); }
 
     /// Pieces from `from` towards `to` (which may be infinite), at most `most` of them, until visit(piece) is false.
-    /// A place where the forces have no series is left out. Throws InvalidInput where they are not finite.
+    /// A place where the forces have no series is left out. Whether it came to `to`, or was told to stop before. Throws
+    /// InvalidInput where the forces are not finite.
     template <class Visit>
-    void march(double from, double to, int most, Visit&& visit) {
+    bool march(double from, double to, int most, Visit&& visit) {
         const double way = to > from ? 1.0 : -1.0;
         double half = 0.5 * std::min(std::abs(to - from), 2.0 * natural(from));
         bool cut = false;
@@ -85,7 +86,7 @@ public:
                                        " " + forces_.not_finite(piece_.middle) +
                                        " is not finite; it must be wherever the body can come");
                 from += way * std::max(2.0 * reach, 4.0 * least);
-                if (std::isfinite(to) && way * (to - from) <= 0.0) return;
+                if (std::isfinite(to) && way * (to - from) <= 0.0) return true;
                 cut = true;
                 continue;
             }
@@ -110,10 +111,11 @@ public:
             (way > 0.0 ? piece_.cut_below : piece_.cut_above) = cut;
             (way > 0.0 ? piece_.cut_above : piece_.cut_below) = ends_at_cut;
             cut = ends_at_cut;
-            if (!visit(piece_)) return;
+            if (!visit(piece_)) return true;
             from = next;
             if (stretch_ >= 2.0) half = 2.0 * std::max(reach, 0.5 * half);
         }
+        return from == to;
     }
 
     /// The forces about u, in units of `half`; for the derivatives at u itself.

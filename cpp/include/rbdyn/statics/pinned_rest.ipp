@@ -49,6 +49,7 @@ RBDYN_INLINE TreeForces::Wide without_dust(TreeForces& forces, const SmallModes&
     const int n = forces.freedoms();
     const auto positions = forces.nearest(place).size();
     constexpr double beside = 1e-9;
+    const std::vector<double> units = forces.units_of_positions();
     const auto misfit = [&](const TreeForces::Wide& at) {
         const TreeForces::Wide f = forces.force_at(at);
         double most = 0.0;
@@ -59,7 +60,9 @@ RBDYN_INLINE TreeForces::Wide without_dust(TreeForces& forces, const SmallModes&
         }
         return most;
     };
-    const auto is_beside = [&](std::size_t i) { return place[i].hi != 0.0 && std::abs(place[i].hi) <= beside; };
+    const auto is_beside = [&](std::size_t i) {
+        return place[i].hi != 0.0 && std::abs(place[i].hi) <= beside * units[i];
+    };
     // all of them, then one after the other
     for (std::size_t from = 0; from <= positions; ++from) {
         TreeForces::Wide other = place;
@@ -77,9 +80,10 @@ RBDYN_INLINE PinnedRest pinned(TreeForces& forces, const std::vector<double>& q)
     rest.place = forces.wide(q);
     double softened = 0.0;      // the largest square met of a mode that is flat in the end
     double longest_leap = 0.0;  // of all steps to zeros of higher order
+    const std::vector<double> units = forces.units_of_positions();
     const auto is_far = [&](const TreeForces::Wide& to, const TreeForces::Wide& from) {
         for (std::size_t i = 0; i < q.size(); ++i)
-            if (std::abs((to[i] - from[i]).hi) > 1e-8 * std::abs(from[i].hi) + 1e-14) return true;
+            if (std::abs((to[i] - from[i]).hi) > 1e-8 * std::abs(from[i].hi) + 1e-14 * units[i]) return true;
         return false;
     };
     constexpr int most_rounds = 30, most_steps = 40, most_whole = 6;

@@ -69,7 +69,7 @@ public:
     /// What acts on the bodies and is not finite at positions, in words.
     std::string not_finite(const std::vector<double>& q) const;
 
-    /// The extent of the scene [m].
+    /// The extent of the scene [m]; 0 where all of it is in one point.
     double size() const { return size_; }
 
 private:
@@ -79,7 +79,7 @@ private:
     mechanics::Tree tree_;
     mechanics::Exerted exerted_;
     std::vector<mechanics::LooseRail> one_sided_;
-    double size_ = 1.0;
+    double size_ = 0.0;
 };
 
 }  // namespace rbdyn::inline RBDYN_FORM::statics

@@ -49,7 +49,11 @@ RBDYN_INLINE RestForces::RestForces(const Scene& scene)
     }
     for (const Scene::Connection& c : scene.connections())
         for (const End* end : {&c.a, &c.b}) take(rounded(tree_.point<DoubleDouble>(tree_.anchor(*end), all).place));
-    if (const double size = (high - low).norm(); size > 0.0) size_ = size;
+    for (const Scene::Held& c : scene.constraints())
+        for (const End* end : {&c.a, &c.b})
+            if (body_of(*end) >= 0 || std::holds_alternative<Vector3>(*end))
+                take(rounded(tree_.point<DoubleDouble>(tree_.anchor(*end), all).place));
+    size_ = (high - low).norm();
 }
 
 RBDYN_INLINE RestForces::Recorded RestForces::recorded(const std::vector<S>& q) const {

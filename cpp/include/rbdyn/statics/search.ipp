@@ -23,6 +23,7 @@
 #include "rbdyn/statics/normal_modes.hpp"
 #include "rbdyn/statics/null_direction.hpp"
 #include "rbdyn/statics/pinned_rest.hpp"
+#include "rbdyn/statics/resolved_rest.hpp"
 #include "rbdyn/statics/tree_forces.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::statics {
@@ -226,7 +227,8 @@ inline bool approach(TreeForces& forces, std::vector<double>& q, const std::vect
         if (!(std::abs(f[i].hi) <= std::max(64.0 * std::numeric_limits<double>::epsilon() * sizes[i], 1e-13 * most[i])))
             return false;
     q = forces.nearest(rest->place);
-    return forces.at_rest(q).pushed;
+    const Forces::State there = forces.at_rest(q);
+    return there.pushed && is_resolved(forces, q, there);
 }
 
 RBDYN_INLINE bool relax(TreeForces& forces, std::vector<double>& q) {
@@ -298,7 +300,7 @@ RBDYN_INLINE bool relax(TreeForces& forces, std::vector<double>& q) {
         q = next;
         now = there;
     }
-    return now.pushed;
+    return now.pushed && is_resolved(forces, q, now);
 }
 
 RBDYN_INLINE std::optional<FreeTurn> free_turn(Forces& forces, const std::vector<double>& q, const Forces::State& s,

@@ -87,8 +87,12 @@ public:
     std::optional<SquareMatrix> jacobian_sizes() const;
     /// The most that a step moves the point of a body that its joint holds [m], where look_at() was asked for last.
     double largest_move(const std::vector<double>& step) const;
-    /// The extent of the scene [m].
-    double extent() const { return acting_.size(); }
+    /// The extent of the scene where it starts [m]; of one in a single point the length that its forces have of their
+    /// own there, or the unit if they are linear: nothing then depends on it.
+    double extent() const { return extent_; }
+    /// What freedoms, and positions, are measured in: extents, turns of one radian, or the parameter for such a way.
+    std::vector<double> units() const;
+    std::vector<double> units_of_positions() const;
     /// Positions that leave their body where it is when a turn is added, or a round of a closed rail, and how much
     /// that is: only torques that count turns know it.
     struct Round {
@@ -104,6 +108,7 @@ private:
     using Bodies = std::vector<mechanics::Moving<DoubleDouble>>;
     static std::size_t at(int i) { return static_cast<std::size_t>(i); }
     const mechanics::Tree& tree() const { return acting_.tree(); }
+    double unit_of(const mechanics::Node& n, int velocity) const;
 
     /// Positions on the constraints, in 32 digits, and zero velocities behind them; empty if they are not to be closed.
     Wide closed(Wide positions) const;
@@ -156,6 +161,7 @@ private:
         leading_;                // velocities that follow from the others, in order of pivots, and the others
     std::vector<bool> carries_;  // other bodies
     std::vector<double> start_;
+    double extent_ = 1.0;
     Wide place_;                        // where at_rest() was asked last, on the constraints,
     Bodies bodies_;                     // the bodies there,
     std::vector<Wide> basis_;           // and of each freedom all velocities there, where constraints hold

@@ -25,6 +25,7 @@
 #include "rbdyn/mechanics/joint/spherical.hpp"
 #include "rbdyn/mechanics/redundant.hpp"
 #include "rbdyn/mechanics/tree_model.hpp"
+#include "rbdyn/statics/natural_length.hpp"
 #include "rbdyn/statics/path_forces.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::statics {
@@ -35,6 +36,7 @@ RBDYN_INLINE TreeForces::TreeForces(const Scene& scene) : acting_(scene) {
             throw InvalidInput(b.name +
                                ": a rail that it may leave, beside constraints, of which states of rest are not found "
                                "in this version; use side \"both\" and ends \"stop\"");
+    if (acting_.size() > 0.0) extent_ = acting_.size();
     const Wide given = tree().start(0.0);
     conditions_ = mechanics::Conditions(scene, tree(), moving(given));
     carries_.assign(at(bodies()), false);
@@ -51,8 +53,7 @@ RBDYN_INLINE TreeForces::TreeForces(const Scene& scene) : acting_(scene) {
             "start that satisfies them");
     if (rows_.size() < every.size()) {
         constexpr double tolerance = 1e-9;  // of gaps, in sizes of the scene
-        conditions_ =
-            mechanics::steadiest(tree(), conditions_, rows_, 0.0, x, acting_.size(), tolerance * acting_.size());
+        conditions_ = mechanics::steadiest(tree(), conditions_, rows_, 0.0, x, extent_, tolerance * extent_);
         rows_ = mechanics::independent_rows(
             tree(), conditions_, every,
             mechanics::closing::moving<double>(tree(), 0.0, mechanics::closing::nearest(x)));
@@ -60,6 +61,8 @@ RBDYN_INLINE TreeForces::TreeForces(const Scene& scene) : acting_(scene) {
     start_ = mechanics::closing::nearest(x);
     start_.resize(at(tree().positions()));
     choose(moving(x));
+    if (acting_.size() > 0.0 || freedoms() == 0) return;
+    if (const double own = natural_length(*this, x); std::isfinite(own)) extent_ = own;
 }
 
 RBDYN_INLINE Forces::State TreeForces::at_rest(const std::vector<double>& q) {
@@ -228,7 +231,7 @@ RBDYN_INLINE WideMatrix TreeForces::jacobian_of_differences() const {
         // as far as the body that moves most moves by a part of the scene's size
         double most = 0.0;
         for (const Carried& c : carried(j))
-            most = std::max({most, rounded(c.twist.move).norm() / acting_.size(), rounded(c.twist.turn).norm()});
+            most = std::max({most, rounded(c.twist.move).norm() / extent_, rounded(c.twist.turn).norm()});
         const double step = most > 0.0 ? std::exp2(std::floor(std::log2(part / most))) : part;
         const auto shifted = [&](double sign) {
             Wide there = place_;
@@ -350,7 +353,7 @@ RBDYN_INLINE TreeForces::Wide TreeForces::closed(Wide positions) const {
     mechanics::closing::normalize<DoubleDouble>(tree(), positions);
     if (rows_.empty()) return positions;
     const double left = mechanics::close(tree(), conditions_, rows_, 0.0, positions, 60);
-    return left <= 1e-12 * acting_.size() ? positions : Wide{};
+    return left <= 1e-12 * extent_ ? positions : Wide{};
 }
 
 RBDYN_INLINE TreeForces::Bodies TreeForces::moving(const Wide& x) const {

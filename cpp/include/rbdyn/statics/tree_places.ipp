@@ -187,6 +187,34 @@ RBDYN_INLINE double TreeForces::largest_move(const std::vector<double>& step) co
     return most;
 }
 
+RBDYN_INLINE double TreeForces::unit_of(const mechanics::Node& n, int velocity) const {
+    if (const mechanics::RailLaw* rail = n.joint.rail()) {
+        const double speed = rail->curve->first(start_[at(n.q)]).norm();
+        return speed > 0.0 ? extent_ / speed : 1.0;
+    }
+    if (const int turns = n.joint.attitude(); turns >= 0) return velocity < turns ? extent_ : 1.0;
+    const bool turns =
+        n.joint.as<mechanics::UniversalLaw>() != nullptr || velocity == mechanics::turning_velocity(n.joint);
+    return turns ? 1.0 : extent_;
+}
+
+RBDYN_INLINE std::vector<double> TreeForces::units() const {
+    std::vector<double> result;
+    for (const int k : leading_)
+        for (const mechanics::Node& n : tree().nodes())
+            if (k >= n.v && k < n.v + n.joint.velocities()) result.push_back(unit_of(n, k - n.v));
+    return result;
+}
+
+RBDYN_INLINE std::vector<double> TreeForces::units_of_positions() const {
+    std::vector<double> result;
+    // an attitude has one position more than velocities, the last one
+    for (const mechanics::Node& n : tree().nodes())
+        for (int k = 0; k < n.joint.positions(); ++k)
+            result.push_back(unit_of(n, std::min(k, n.joint.velocities() - 1)));
+    return result;
+}
+
 RBDYN_INLINE std::vector<TreeForces::Round> TreeForces::rounds() const {
     std::vector<Round> result;
     constexpr double turn = 2.0 * std::numbers::pi;

@@ -479,6 +479,7 @@ RBDYN_INLINE std::pair<double, double> Trajectory::integral_of(const std::string
         const Vector3 k = all.angular_momentum(p.pole);
         const double size = all.size_of_angular_momentum(p.pole);
         if (name == "angular momentum") return {k.norm(), size};
+        if (name.starts_with("axial")) return {k.dot(p.axis), size};
         return {name.starts_with("vertical") ? k.dot(p.up) : k[name.back() - 'x'], size};
     }
     const auto alone = [](double value) { return std::pair{value, std::abs(value)}; };

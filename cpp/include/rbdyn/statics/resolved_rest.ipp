@@ -1,0 +1,104 @@
+// Definitions of rbdyn/statics/resolved_rest.hpp.
+#pragma once
+
+#include "rbdyn/statics/resolved_rest.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <vector>
+
+#include "rbdyn/basics/dense.hpp"
+#include "rbdyn/basics/double_double.hpp"
+#include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/statics/tree_forces.hpp"
+
+namespace rbdyn::inline RBDYN_FORM::statics {
+
+namespace resolving {
+
+/// Whether forces go as their slopes say as far as `part` of every freedom's size from a place; along every one by
+/// itself, of many along some ways between them.
+inline bool goes_as_slopes_say(TreeForces& forces, const TreeForces::Wide& place, const SquareMatrix& slope,
+                               const Forces::State& s, double part) {
+    const auto at = [](int i) { return static_cast<std::size_t>(i); };
+    const int n = forces.freedoms();
+    constexpr int most_single = 24, most_mixed = 8;
+    const TreeForces::Wide here = forces.force_at(place);
+    double predicted = 0.0, left = 0.0;
+    for (int k = 0; k < (n <= most_single ? n : most_mixed); ++k) {
+        std::vector<double> step(at(n));
+        for (int j = 0; j < n; ++j)
+            if (n > most_single || j == k)
+                step[at(j)] = ((j >> (k / 2)) + k) % 2 == 0 ? part * s.size[at(j)] : -part * s.size[at(j)];
+        TreeForces::Wide there = forces.stepped(place, step);
+        if (there == place) {
+            // at the end of a rail
+            for (double& x : step) x = -x;
+            there = forces.stepped(place, step);
+        }
+        if (there.empty() || there == place) continue;
+        const TreeForces::Wide f = forces.force_at(there);
+        for (int i = 0; i < n; ++i) {
+            double change = 0.0;
+            for (int j = 0; j < n; ++j) change += slope(i, j) * step[at(j)];
+            const double unit = std::sqrt(s.metric[at(i)]);
+            predicted = std::max(predicted, std::abs(change) / unit);
+            const double over = std::abs((f[at(i)] - here[at(i)]).hi - change) / unit;
+            if (!std::isfinite(over)) return false;
+            left = std::max(left, over);
+        }
+    }
+    constexpr double alike = 2.0;
+    return left <= alike * predicted;
+}
+
+}  // namespace resolving
+
+RBDYN_INLINE bool is_resolved(TreeForces& forces, const std::vector<double>& q, const Forces::State& s) {
+    constexpr double epsilon = std::numeric_limits<double>::epsilon();
+    const auto at = [](int i) { return static_cast<std::size_t>(i); };
+    const int n = forces.freedoms();
+    const auto is_rounding_of_terms = [&] {
+        for (int i = 0; i < n; ++i)
+            if (!(std::abs(s.force[at(i)]) <= 1024.0 * epsilon * s.effort[at(i)])) return false;
+        return true;
+    };
+    // where y over the width of a valley is no more than that, a zero to 32 digits is more than rounding of the place
+    constexpr double far = 1e20, near = 1e-6, nothing = 0x1p-96;
+    const std::vector<double> units = forces.units();
+    bool is_far = false;
+    for (int i = 0; i < n; ++i) is_far = is_far || !(s.size[at(i)] <= far * units[at(i)]);
+    if (!is_far && is_rounding_of_terms()) return true;
+    TreeForces::Wide place = forces.wide(q);
+    if (place.empty()) return false;
+    // farther than rounding of the place may have made a force pass for none
+    if (resolving::goes_as_slopes_say(forces, place, s.jacobian, s, 4096.0 * epsilon)) return true;
+    if (is_far) return false;
+    constexpr int most_steps = 400;
+    for (int iteration = 0; iteration < most_steps; ++iteration) {
+        forces.look_at(place);
+        const WideMatrix wide_slope = forces.wide_jacobian().entries;
+        SquareMatrix slope(n);
+        for (int i = 0; i < n; ++i)
+            for (int j = 0; j < n; ++j) slope(i, j) = wide_slope(i, j).hi;
+        const TreeForces::Wide f = forces.force_at(place);
+        const std::vector<double> sizes = forces.force_sizes(place);
+        bool is_zero = true;
+        std::vector<double> left;
+        for (int i = 0; i < n; ++i) {
+            left.push_back(-f[at(i)].hi);
+            is_zero = is_zero && std::abs(f[at(i)].hi) <= nothing * sizes[at(i)];
+        }
+        if (is_zero) return true;
+        place = forces.stepped(place, solve(slope, left).x);
+        if (place.empty()) return false;
+        const std::vector<double> way = forces.difference(forces.nearest(place), q);
+        for (int i = 0; i < n; ++i)
+            if (!(std::abs(way[at(i)]) <= near * s.size[at(i)])) return false;
+    }
+    return false;
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM::statics
