@@ -119,3 +119,20 @@ def test_balls_that_fly_along_touching_do_not_hold_each_other(way, turns):
     # (r^2 + (u t)^2)^(1/2) - r
     apart = (turns * t) ** 2 * radii.sum() / 2
     assert np.abs(run[contact].gap(t) / apart - 1).max() < 1e-6 + 2e-15 / apart.min()
+
+
+@pytest.mark.parametrize("apex", [(0.0, 0.0), (0.25, 0.5)])
+@pytest.mark.parametrize("e", [0.0, 0.5, 0.7, 0.8])
+@pytest.mark.parametrize(("left", "right"), [((1, 0.25), (-1, 0.5)), ((1, 0.2), (-1, 0.2)), ((1, 0.17), (-1, 4.7))])
+def test_a_particle_that_has_come_to_rest_in_a_corner_stays_there(left, right, e, apex):
+    """What rounding left of its acceleration had no size beside it at the origin: steps of 6e-9 s went on without end,
+    and it moved by bits."""
+    scene = rb.Scene(gravity=[0, -9.8125, 0])
+    ball = scene.add(rb.Particle(1.0), position=[apex[0] + 0.1, apex[1] + 1.0, 0], velocity=[0.3, 0, 0])
+    for normal in (left, right):
+        scene.contact(ball, rb.Plane([*normal, 0], [*apex, 0]), restitution=e)
+    run = rb.simulate(scene, 1e5, max_steps=3000)
+    assert run.status == "reached end"
+    assert np.array_equal(run[ball].velocity(1e5), [0, 0, 0])
+    assert np.abs(run[ball].position(1e5) - [*apex, 0]).max() <= 4e-16
+    assert np.array_equal(run[ball].position(1e5), run[ball].position(100.0))

@@ -66,10 +66,15 @@ public:
         double& most = most_[static_cast<std::size_t>(group.alike)];
         most = std::max(most, group.measure * size);
     }
-    /// The largest as a size of this group, or its own.
-    double of(const VariableGroup& group, double own) const {
+    /// The largest as a size of this group, or its own; a rate's is no less than what moves in `duration` as far as
+    /// places do, or by a radian.
+    double of(const VariableGroup& group, double own, double duration) const {
         if (group.alike == Alike::nothing) return own;
-        return std::max(own, most_[static_cast<std::size_t>(group.alike)] / group.measure);
+        const auto most = [&](Alike what) { return most_[static_cast<std::size_t>(what)]; };
+        double whole = most(group.alike);
+        if (group.alike == Alike::velocity) whole = std::max(whole, most(Alike::place) / duration);
+        if (group.alike == Alike::turning) whole = std::max(whole, 1.0 / duration);
+        return std::max(own, whole / group.measure);
     }
 
 private:

@@ -505,7 +505,7 @@ RBDYN_INLINE bool TaylorEngine::bears_out(Evaluator<double>& values, double tau,
     for (const VariableGroup& group : equations_->groups)
         for (int i = group.first; i < group.first + group.count; ++i) {
             const double rate = values.output(i), size = std::max(std::abs(rate), std::abs(slope[at(i)])),
-                         scale = sizes.of(group, scales_.scale(group)),
+                         scale = sizes.of(group, scales_.scale(group), duration),
                          allowed = 1e-3 * size + part * scale / duration + 1e-12 * values.magnitude(i);
             if (!(std::abs(rate - slope[at(i)]) <= allowed)) return false;
         }
@@ -540,7 +540,7 @@ RBDYN_INLINE double TaylorEngine::held_at_end(double length) {
     AlikeSizes sizes;
     for (const VariableGroup& group : equations_->groups) sizes.take(group, size(group));
     for (const VariableGroup& group : equations_->groups) {
-        const double scale = sizes.of(group, size(group));
+        const double scale = sizes.of(group, size(group), length * unit_);
         for (int i = group.first; i < group.first + group.count; ++i)
             if (std::abs(series_->coefficients(i)[order_]) * last_power > nothing * scale) return length;
     }
