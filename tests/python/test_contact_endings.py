@@ -21,6 +21,7 @@ NAMED = (
     "no forces of contacts satisfy the laws of friction",
     "no force keeps contacts sliding",
     "are not unique, and the motion depends on",
+    "several velocities after the impact satisfy the laws",
 )
 
 
