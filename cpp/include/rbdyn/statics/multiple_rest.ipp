@@ -82,6 +82,9 @@ RBDYN_INLINE std::vector<bool> open_modes(TreeForces& forces, const PinnedRest& 
 
 namespace multiple {
 
+/// Times their noise: powers that are there.
+inline constexpr double above_noise = 64.0;
+
 struct Zero {
     int order = 0;
     DoubleDouble place;  // in halves
@@ -91,7 +94,7 @@ struct Zero {
 /// The zero nearest to the middle that these powers have.
 inline std::optional<Zero> nearest_zero(const ReducedPowers& powers) {
     constexpr int highest = ReducedPowers::degree - 5, most_steps = 40;
-    constexpr double clear = 64.0, reach = 0.5;
+    constexpr double reach = 0.5;
     std::optional<Zero> result;
     for (int m = highest; m >= 1; --m) {
         const auto k = static_cast<std::size_t>(m);
@@ -106,7 +109,7 @@ inline std::optional<Zero> nearest_zero(const ReducedPowers& powers) {
             about = powers.shifted(x);
             is_root = std::abs(about.c[k - 1].hi) <= powers.noise_of(m - 1) || std::abs(step.hi) <= 0x1p-100;
         }
-        if (!is_root || !(std::abs(about.c[k].hi) > clear * powers.noise_of(m))) continue;
+        if (!is_root || !(std::abs(about.c[k].hi) > above_noise * powers.noise_of(m))) continue;
         bool is_nothing_before = true;
         for (int j = 0; j < m; ++j)
             is_nothing_before =
@@ -133,8 +136,9 @@ inline bool is_borne_out(const ReducedForce& reduced, int power, double sign, do
     return false;
 }
 
-/// As multiple_rest() does, looking `times` as far as the forces go as their slopes say.
-inline std::optional<MultipleRest> sought(TreeForces& forces, const PinnedRest& rest, int mode, double times) {
+}  // namespace multiple
+
+RBDYN_INLINE std::optional<MultipleRest> multiple_rest(TreeForces& forces, const PinnedRest& rest, int mode) {
     const auto at = [](int i) { return static_cast<std::size_t>(i); };
     const int n = forces.freedoms();
     forces.look_at(rest.place);
@@ -146,14 +150,13 @@ inline std::optional<MultipleRest> sought(TreeForces& forces, const PinnedRest& 
     std::vector<double> along;
     for (int i = 0; i < n; ++i) along.push_back(rest.modes.shapes(i, mode) / rest.modes.shapes(held, mode));
     const double longest =
-        times * reach_along(forces, rest.place, along, forces.at_rest(forces.nearest(rest.place)).size[at(held)]);
+        reach_along(forces, rest.place, along, forces.at_rest(forces.nearest(rest.place)).size[at(held)]);
     if (!std::isfinite(longest)) return std::nullopt;
     TreeForces::Wide place = rest.place;
     std::optional<ReducedForce> reduced(std::in_place, forces, place, held);
     std::optional<MultipleRest> result;
     // the one that doubles leave
     std::optional<multiple::Zero> rough;
-    TreeForces::Wide rough_place;
     double rough_begin = 0.0;
     int last = 0;
     double sign = 0.0, begin = 0.0, uncertainty = 0.0;
@@ -171,20 +174,14 @@ inline std::optional<MultipleRest> sought(TreeForces& forces, const PinnedRest& 
         const auto zero = multiple::nearest_zero(*powers);
         const bool is_sure = is_known_to(0x1p-60);
         if (!zero || (result && (!is_sure || zero->order > last))) continue;
-        if (!result && is_sure) {
-            ReducedPowers in_doubles = *powers;
-            in_doubles.noise = std::max(powers->noise, 4.0 * std::numeric_limits<double>::epsilon() * powers->size);
-            rough = multiple::nearest_zero(in_doubles);
-            if (rough) {
-                rough_begin =
-                    half * std::min(0.5, std::pow(64.0 * in_doubles.noise / std::abs(rough->lead), 1.0 / rough->order));
-                if (auto there = reduced->at(DoubleDouble(half * rough->place.hi, half * rough->place.lo)))
-                    rough_place = std::move(there->place);
-            }
-        }
         const double lead = std::abs(zero->lead);
         const double off = half * powers->noise_of(zero->order - 1) / (zero->order * lead);
-        if (last != zero->order || off < uncertainty) {
+        const bool is_there_here =
+            std::abs(powers->c[at(zero->order)].hi) > multiple::above_noise * powers->noise_of(zero->order);
+        // what is nearer than it is known is where the last one is; that its power is another one is told there
+        const bool is_elsewhere = last == 0 || off < uncertainty || half * std::abs(zero->place.hi) > 4.0 * off;
+        if (!is_elsewhere && zero->order != last && !is_there_here) continue;
+        if (is_elsewhere) {
             auto there = reduced->at(DoubleDouble(half * zero->place.hi, half * zero->place.lo));
             if (!there) continue;
             place = std::move(there->place);
@@ -193,6 +190,14 @@ inline std::optional<MultipleRest> sought(TreeForces& forces, const PinnedRest& 
         }
         last = zero->order;
         if (!is_sure) continue;
+        if (!result) {
+            ReducedPowers in_doubles = *powers;
+            in_doubles.noise = std::max(powers->noise, 4.0 * std::numeric_limits<double>::epsilon() * powers->size);
+            rough = multiple::nearest_zero(in_doubles);
+            if (rough)
+                rough_begin =
+                    half * std::min(0.5, std::pow(64.0 * in_doubles.noise / std::abs(rough->lead), 1.0 / rough->order));
+        }
         result = MultipleRest{place, last};
         sign = zero->lead > 0.0 ? 1.0 : -1.0;
         begin = half * std::min(0.5, std::pow(64.0 * powers->noise / lead, 1.0 / last));
@@ -203,36 +208,9 @@ inline std::optional<MultipleRest> sought(TreeForces& forces, const PinnedRest& 
         result->along = power % 2 == 1 && lead < 0.0 ? AlongNull::stable : AlongNull::unstable;
         return true;
     };
-    // third and higher derivatives of U that are no more than the rounding of constants are nothing, nor are the zeros
-    // that they make of one
-    const auto is_beside = [&] {
-        double apart = 0.0;
-        for (std::size_t i = 0; i < rough_place.size(); ++i)
-            apart = std::max(apart, std::abs((rough_place[i] - place[i]).hi));
-        return apart > 64.0 * uncertainty;
-    };
-    if (result && rough && !rough_place.empty() && rough->order > result->order && is_beside()) {
-        result->place = rough_place;
-        result->order = rough->order;
-        reduced.emplace(forces, rough_place, held);
-        bears_out(rough->order, rough->lead, rough_begin);
-        return result;
-    }
+    // third and higher derivatives of U that are no more than the rounding of constants are nothing
     if (result && !bears_out(result->order, sign, begin) && result->order > 1 && rough && rough->order > result->order)
         bears_out(rough->order, rough->lead, rough_begin);
-    return result;
-}
-
-}  // namespace multiple
-
-RBDYN_INLINE std::optional<MultipleRest> multiple_rest(TreeForces& forces, const PinnedRest& rest, int mode) {
-    // what rounding of constants makes of one zero are several simple ones nearby, which one view takes for all there
-    // is and the other does not
-    std::optional<MultipleRest> result;
-    for (const double times : {1.0, 8.0}) {
-        auto found = multiple::sought(forces, rest, mode, times);
-        if (found && (!result || found->order > result->order)) result = std::move(found);
-    }
     return result;
 }
 
