@@ -17,6 +17,36 @@
 
 namespace rbdyn::inline RBDYN_FORM {
 
+/// The largest size of what is alike, by what it is measured there: a length and an angle, or a place and a speed, are
+/// compared by no unit.
+class AlikeSizes {
+public:
+    void take(const VariableGroup& group, double size) {
+        if (group.alike == Alike::nothing) return;
+        double& whole = most(group.alike);
+        whole = std::max(whole, group.measure * size);
+    }
+    /// The largest as a size of this group, or its own; a rate's is no less than what moves in `duration` as far as
+    /// places do, or by a radian.
+    double of(const VariableGroup& group, double own, double duration) const {
+        if (group.alike == Alike::nothing) return own;
+        double whole = most(group.alike);
+        if (group.alike == Alike::velocity) whole = std::max(whole, most(Alike::place) / duration);
+        if (group.alike == Alike::turning) whole = std::max(whole, 1.0 / duration);
+        return std::max(own, whole / group.measure);
+    }
+
+    double most(Alike what) const { return most_[static_cast<std::size_t>(what)]; }
+    double& most(Alike what) { return most_[static_cast<std::size_t>(what)]; }
+    /// Of each kind.
+    static constexpr std::size_t kinds = 5;
+    std::array<double, kinds>& all() { return most_; }
+    const std::array<double, kinds>& all() const { return most_; }
+
+private:
+    std::array<double, kinds> most_{};
+};
+
 /// Extent and largest magnitude of every state variable since the run began.
 class MotionScales {
 public:
@@ -31,7 +61,7 @@ public:
     /// All of it as numbers, and back: as many as that has for these variables.
     std::vector<double> numbers() const;
     void set_numbers(std::span<const double> numbers);
-    static std::size_t count(std::size_t variables) { return 3 * variables + kinds; }
+    static std::size_t count(std::size_t variables) { return 3 * variables + AlikeSizes::kinds; }
 
     /// Extent of positions, largest magnitude of velocities; 0 before there is motion.
     double scale(const VariableGroup& group) const;
@@ -46,39 +76,13 @@ private:
     // steps are a tenth shorter at most than without it for motion a thousand times this small; for what is asked of
     // motion that is smaller, see least_share()
     static constexpr double floor = 0x1p-20;
-    static constexpr std::size_t kinds = 5;
-    static std::size_t index(const VariableGroup& g) { return static_cast<std::size_t>(g.alike); }
 
     double own(const VariableGroup& group) const;
 
     std::vector<Variable> variables_;
     std::span<const VariableGroup> groups_;
     bool has_floor_ = false;
-    std::array<double, kinds> whole_{};
-};
-
-/// The largest size of what is alike, by what it is measured there: a length and an angle, or a place and a speed, are
-/// compared by no unit.
-class AlikeSizes {
-public:
-    void take(const VariableGroup& group, double size) {
-        if (group.alike == Alike::nothing) return;
-        double& most = most_[static_cast<std::size_t>(group.alike)];
-        most = std::max(most, group.measure * size);
-    }
-    /// The largest as a size of this group, or its own; a rate's is no less than what moves in `duration` as far as
-    /// places do, or by a radian.
-    double of(const VariableGroup& group, double own, double duration) const {
-        if (group.alike == Alike::nothing) return own;
-        const auto most = [&](Alike what) { return most_[static_cast<std::size_t>(what)]; };
-        double whole = most(group.alike);
-        if (group.alike == Alike::velocity) whole = std::max(whole, most(Alike::place) / duration);
-        if (group.alike == Alike::turning) whole = std::max(whole, 1.0 / duration);
-        return std::max(own, whole / group.measure);
-    }
-
-private:
-    std::array<double, 5> most_{};
+    AlikeSizes whole_;
 };
 
 inline void MotionScales::widen(std::span<const double> x) {
@@ -90,12 +94,12 @@ inline void MotionScales::widen(std::span<const double> x) {
     }
     if (!has_floor_) return;
     for (const VariableGroup& g : groups_)
-        if (g.alike != Alike::nothing) whole_[index(g)] = std::max(whole_[index(g)], g.measure * own(g));
+        if (g.alike != Alike::nothing) whole_.take(g, own(g));
 }
 
 inline double MotionScales::scale(const VariableGroup& group) const {
     if (!has_floor_ || group.alike == Alike::nothing) return own(group);
-    return std::max(own(group), floor * whole_[index(group)] / group.measure);
+    return std::max(own(group), floor * whole_.most(group.alike) / group.measure);
 }
 
 inline double MotionScales::magnitude(const VariableGroup& group) const {

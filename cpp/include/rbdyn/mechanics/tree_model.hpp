@@ -218,6 +218,18 @@ private:
     bool share_load(const Mode& before, Mode& mode, double t, const std::vector<mechanics::Moving<double>>& all,
                     const std::vector<int>& candidates, const std::vector<double>& b,
                     const std::vector<double>& noise) const;
+    /// Whether the normal forces of these depend on each other.
+    bool depend(const std::vector<int>& of, const std::vector<mechanics::Moving<double>>& all) const;
+    /// Beside what opens, those of smooth contacts whose forces depend on each other share the load: with what bears
+    /// what touches, neither pushing nor opening as it is found, where all of it can, else as much of it as can between
+    /// two bodies each. Returns those that do; `b`, `noise`: of the candidates.
+    std::vector<int> share_beside(const Mode& before, Mode& mode, double t,
+                                  const std::vector<mechanics::Moving<double>>& all, const std::vector<int>& candidates,
+                                  const std::vector<int>& bearing, const std::vector<int>& touching,
+                                  const std::vector<double>& b, const std::vector<double>& noise) const;
+    /// Of smooth contacts whose force is at zero: which push, rest or open. `doubtful`: as of settle_smooth().
+    void push_or_open(Mode& mode, double t, std::span<double> x, const std::vector<int>& uncertain,
+                      const std::vector<int>& doubtful) const;
     /// Whether the force of a contact that slides, one of many, leaves the motion what it is, `chosen` rows acting too.
     bool makes_no_difference(const Mode& mode, const Touched& touched, std::size_t one,
                              const std::vector<int>& chosen) const;

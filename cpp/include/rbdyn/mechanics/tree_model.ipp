@@ -492,15 +492,18 @@ RBDYN_INLINE std::unique_ptr<Structure> TreeModel::record(const Mode& mode, cons
     auto result = written(
         r, n, state.decided.sliding, [&] { return tree.laws(); },
         [&](EquationsWriter& write, std::span<const Expression> values) {
-            // what stands still has no accelerations, not of rounding either
-            std::vector<Expression> still(values.begin(), values.end());
-            for (int i = 0; i < bodies() && stands_still; ++i)
-                std::fill_n(still.begin() + n + 12 * i + 6, 6, Expression(0.0));
-            if (stands_still) std::fill_n(still.begin(), n, Expression(0.0));
-            // nor does what slides flat on a plane have those that it is held in
-            if (!stands_still)
-                mechanics::keep_level(in_mode, mechanics::levels(in_mode, *conditions_, mode.slip), still);
-            values = still;
+            // what stands still has no accelerations, not of rounding either, nor has what keeps to a plane across it
+            std::vector<Expression> kept;
+            if (stands_still || contacts() > 0) {
+                kept.assign(values.begin(), values.end());
+                values = kept;
+            }
+            if (stands_still) {
+                std::fill_n(kept.begin(), n, Expression(0.0));
+                for (int i = 0; i < bodies(); ++i) std::fill_n(kept.begin() + n + 12 * i + 6, 6, Expression(0.0));
+            } else if (contacts() > 0) {
+                mechanics::keep_level(in_mode, mechanics::levels(in_mode, *conditions_, mode.slip), kept);
+            }
             tree.take(values);
             for (int i = 0; i < n; ++i) write.rate(i) = values[at(i)];
             tree.touch(write);

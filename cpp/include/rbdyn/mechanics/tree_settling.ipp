@@ -86,18 +86,13 @@ RBDYN_INLINE void TreeModel::settle_smooth(Mode& mode, double t, std::span<doubl
     if (candidates.empty()) return;
     const auto [b, noise] = opening(mode, t, x, candidates);
     const auto all = moving(t, x);
-    const auto depend = [&](const std::vector<int>& of) {
-        std::vector<int> rows = rows_;
-        for (const int k : of) rows.push_back(conditions_->normal_row(k));
-        return mechanics::independent_rows(*tree_, *conditions_, rows, all, rows_.size()).size() < rows.size();
-    };
     // what has ended again at the instant at which loads were shared anew is at its edge
     const bool is_at_edge = !doubtful.empty() && std::ranges::any_of(candidates, [&](int k) {
         return before.slip[at(k)] == rests && mechanics::ContactMemory::of(before.memory, k).since == t;
     });
     // forces that depend on each other: all are closed if there are such that push everywhere
     if (doubtful.empty() || (shares_load(before) && !is_at_edge)) {
-        if (depend(candidates) && share_load(before, mode, t, all, candidates, b, noise)) {
+        if (depend(candidates, all) && share_load(before, mode, t, all, candidates, b, noise)) {
             choose(mode, t, x, {}, true);
             return;
         }
@@ -124,44 +119,11 @@ RBDYN_INLINE void TreeModel::settle_smooth(Mode& mode, double t, std::span<doubl
     const auto is_in = [&](const std::vector<int>& rows, int k) {
         return std::find(rows.begin(), rows.end(), conditions_->constraint_rows() + k) != rows.end();
     };
-    // beside what opens those whose forces depend on each other share the load: with what pushes what neither pushes
-    // nor opens as it is found, where all of them can, else as much of it as can between two bodies each
-    std::vector<int> sharing;
-    const Mode open = mode;
-    const auto shares = [&](const std::vector<int>& of) {
-        std::vector<double> asked, rounding;
-        for (std::size_t i = 0; i < candidates.size(); ++i)
-            if (std::ranges::find(of, candidates[i]) != of.end()) {
-                asked.push_back(b[i]);
-                rounding.push_back(noise[i]);
-            }
-        Mode tried = open;
-        if (!depend(of) || !share_load(before, tried, t, all, of, asked, rounding)) return false;
-        mode = std::move(tried);
-        sharing = of;
-        return true;
-    };
-    const auto joined = [&](const std::vector<int>& of, const mechanics::ContactLaw* between) {
-        std::vector<int> result;
-        for (const int k : candidates) {
-            const mechanics::ContactLaw& c = conditions_->contacts()[at(k)];
-            const bool is_near = between == nullptr || (c.a.body == between->a.body && c.b.body == between->b.body),
-                       is_uncertain = std::ranges::find(uncertain, k) != uncertain.end() &&
-                                      std::ranges::find(doubtful, k) == doubtful.end();
-            if (std::ranges::find(of, k) != of.end() || (is_uncertain && is_near)) result.push_back(k);
-        }
-        return result;
-    };
-    std::vector<int> bearing;
+    std::vector<int> bearing, touching;
     std::ranges::copy_if(candidates, std::back_inserter(bearing), [&](int k) { return is_in(pushing, k); });
-    if (const std::vector<int> every = joined(bearing, nullptr); depend(every) && !shares(every)) {
-        shares(bearing);
-        for (const int k : every) {
-            const std::vector<int>& now = sharing.empty() ? bearing : sharing;
-            if (std::ranges::find(now, k) != now.end()) continue;
-            shares(joined(now, &conditions_->contacts()[at(k)]));
-        }
-    }
+    std::ranges::copy_if(uncertain, std::back_inserter(touching),
+                         [&](int k) { return std::ranges::find(doubtful, k) == doubtful.end(); });
+    const std::vector<int> sharing = share_beside(before, mode, t, all, candidates, bearing, touching, b, noise);
     std::erase_if(uncertain, [&](int k) { return std::ranges::find(sharing, k) != sharing.end(); });
     // as many push as are independent, the others need no force of their own
     for (const int k : candidates)
@@ -170,6 +132,61 @@ RBDYN_INLINE void TreeModel::settle_smooth(Mode& mode, double t, std::span<doubl
             mechanics::ContactMemory().put(mode.memory, k);
         }
     choose(mode, t, x, {}, true);
+    push_or_open(mode, t, x, uncertain, doubtful);
+}
+
+RBDYN_INLINE bool TreeModel::depend(const std::vector<int>& of,
+                                    const std::vector<mechanics::Moving<double>>& all) const {
+    std::vector<int> rows = rows_;
+    for (const int k : of) rows.push_back(conditions_->normal_row(k));
+    return mechanics::independent_rows(*tree_, *conditions_, rows, all, rows_.size()).size() < rows.size();
+}
+
+RBDYN_INLINE std::vector<int> TreeModel::share_beside(const Mode& before, Mode& mode, double t,
+                                                      const std::vector<mechanics::Moving<double>>& all,
+                                                      const std::vector<int>& candidates,
+                                                      const std::vector<int>& bearing, const std::vector<int>& touching,
+                                                      const std::vector<double>& b,
+                                                      const std::vector<double>& noise) const {
+    const auto is_in = [](const std::vector<int>& list, int k) { return std::ranges::find(list, k) != list.end(); };
+    std::vector<int> sharing;
+    const Mode open = mode;
+    const auto shares = [&](const std::vector<int>& of) {
+        std::vector<double> asked, rounding;
+        for (std::size_t i = 0; i < candidates.size(); ++i)
+            if (is_in(of, candidates[i])) {
+                asked.push_back(b[i]);
+                rounding.push_back(noise[i]);
+            }
+        Mode tried = open;
+        if (!depend(of, all) || !share_load(before, tried, t, all, of, asked, rounding)) return false;
+        mode = std::move(tried);
+        sharing = of;
+        return true;
+    };
+    // in the order of the candidates: those, and what touches, all of it or between the bodies that one is between
+    const auto joined = [&](const std::vector<int>& of, const mechanics::ContactLaw* between) {
+        std::vector<int> result;
+        for (const int k : candidates) {
+            const mechanics::ContactLaw& c = conditions_->contacts()[at(k)];
+            const bool is_near = between == nullptr || (c.a.body == between->a.body && c.b.body == between->b.body);
+            if (is_in(of, k) || (is_near && is_in(touching, k))) result.push_back(k);
+        }
+        return result;
+    };
+    const std::vector<int> every = joined(bearing, nullptr);
+    if (!depend(every, all) || shares(every)) return sharing;
+    shares(bearing);
+    for (const int k : every) {
+        const std::vector<int>& now = sharing.empty() ? bearing : sharing;
+        if (!is_in(now, k)) shares(joined(now, &conditions_->contacts()[at(k)]));
+    }
+    return sharing;
+}
+
+RBDYN_INLINE void TreeModel::push_or_open(Mode& mode, double t, std::span<double> x, const std::vector<int>& uncertain,
+                                          const std::vector<int>& doubtful) const {
+    const auto all = moving(t, x);
     // the time in which all that acts on what a contact joins moves it as far as it is large
     const auto moves_in = [&](int k) {
         const mechanics::ContactLaw& c = conditions_->contacts()[at(k)];
