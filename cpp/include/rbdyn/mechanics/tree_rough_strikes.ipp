@@ -59,6 +59,18 @@ RBDYN_INLINE std::vector<double> TreeModel::strike_rough(const Mode& before, dou
         see();
         found = solved(1.0);
     }
+    // where nothing comes nothing is struck
+    bool comes = false;
+    for (const mechanics::Cone& cone : touched.cones)
+        comes = comes || u[static_cast<std::size_t>(cone.first)] < -noise[static_cast<std::size_t>(cone.first)];
+    const auto lawful = [&] {
+        std::vector<mechanics::ConeForces> all_choices;
+        if (comes) all_choices = mechanics::every_choice(touched.matrix, b, touched.cones);
+        std::erase_if(all_choices, [&](const mechanics::ConeForces& one) { return !gains_nothing(one, 1e-13); });
+        return all_choices;
+    };
+    std::vector<mechanics::ConeForces> choices = lawful();
+    if (!gains_nothing(found, 1e-13) && !choices.empty()) found = choices.front();
     if (!gains_nothing(found, 1e-13)) {
         // Newton's law and friction together may gain energy, or ask what no impulse can do: the largest part of e
         // that does neither
@@ -69,6 +81,7 @@ RBDYN_INLINE std::vector<double> TreeModel::strike_rough(const Mode& before, dou
         }
         strokes.lowered = low > 1e-6 ? low : 0.0;
         found = solved(strokes.lowered);
+        choices = lawful();
     }
     if (!found.is_solved) {
         strokes.impossible = no_forces("impulses", struck);
@@ -79,10 +92,10 @@ RBDYN_INLINE std::vector<double> TreeModel::strike_rough(const Mode& before, dou
             strokes.impossible = impulses_not_unique(other.change, struck, touched.cones);
             return normal;
         }
-    for (const mechanics::ConeForces& other : mechanics::every_choice(touched.matrix, b, touched.cones)) {
+    for (const mechanics::ConeForces& other : choices) {
         double apart = 0.0;
         for (std::size_t i = 0; i < u.size(); ++i) apart = std::max(apart, std::abs(other.rate[i] - found.rate[i]));
-        if (apart <= 1e-9 * fastest || !gains_nothing(other, 1e-13)) continue;
+        if (apart <= 1e-9 * fastest) continue;
         strokes.impossible = several_velocities(struck);
         return normal;
     }
