@@ -72,6 +72,8 @@ RBDYN_INLINE std::optional<std::pair<DoubleDouble, DoubleDouble>> LinearModes::p
             }
     if (row >= 0) b = d(row, column) / k(row, column);
     a = d(0, 0) - b * k(0, 0);
+    // what is rounding of both is no damping, least of all of a mode that nothing else holds
+    if (abs(a).hi <= same * abs(d(0, 0)).hi) a = 0.0;
     const double size = std::max(d.largest(), std::abs(b.hi) * k.largest());
     for (int i = 0; i < n; ++i)
         for (int j = 0; j < n; ++j) {

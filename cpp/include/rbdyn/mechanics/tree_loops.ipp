@@ -64,6 +64,7 @@ RBDYN_INLINE double TreeModel::size_of(const std::vector<mechanics::Moving<doubl
 }
 
 RBDYN_INLINE std::vector<DoubleDouble> TreeModel::exact_start(double t) const {
+    if (t == 0.0 && !start_.empty()) return start_;
     std::vector<DoubleDouble> x = tree_->start(t);
     return conditions_->all().empty() ? x : onto_constraints(t, std::move(x), "the start");
 }
@@ -147,6 +148,7 @@ RBDYN_INLINE void TreeModel::choose_rows() {
     units_ = mechanics::closing::Responses(*tree_, *conditions_, every, all).extents();
     has_choice_ =
         contacts() == 0 && joints_.empty() && !mechanics::dependences(*tree_, *conditions_, rows_, all).empty();
+    start_ = exact_start(0.0);
 }
 
 RBDYN_INLINE void TreeModel::require_no_end(const Mode& mode, double t, std::span<const double> x) const {

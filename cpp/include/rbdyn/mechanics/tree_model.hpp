@@ -613,6 +613,7 @@ private:
     std::vector<double> units_;                                  // of all rows, what they could be where it starts
     std::vector<bool> held_;                                     // what they leave no motion: see held_still()
     double size_ = 0.0;                                          // of the scene as it starts, if it has constraints [m]
+    std::vector<DoubleDouble> start_;                            // on them, at t = 0
     std::vector<double> first_pivots_;                           // of these, where the scene starts
     double loosest_ = 0.0;  // the gap that constraints with other rows may have [m]
     StateMap map_;

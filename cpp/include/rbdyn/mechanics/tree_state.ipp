@@ -182,8 +182,13 @@ RBDYN_INLINE TreeState::TreeState(const Tree& given, const Conditions& condition
         add<double>(b.reaction, inertia, 1.0);
         add<double>(b.reaction, b.acts, -1.0);
         add<double>(b.reaction, held[at(i)], -1.0);
-        for (const Wrench<double>* part : {&inertia, &b.acts}) tree_states::add_sizes(b.effort, *part);
-        b.effort.moment += tree_states::moment_size(inertia.force, b.arm) +
+        tree_states::add_sizes(b.effort, b.acts);
+        // what is left of the acceleration of G may be rounding of what it is a sum of
+        const Vector3 terms = (sizes(b.origin_acceleration) + tree_states::moment_size(b.angular_acceleration, b.arm) +
+                               sizes(b.arm) * m.omega.squaredNorm() + sizes(m.omega) * std::abs(m.omega.dot(b.arm))) *
+                              static_cast<double>(tree.node(i).mass);
+        b.effort.force += terms;
+        b.effort.moment += sizes(inertia.moment) + tree_states::moment_size(terms, b.arm) +
                            tree_states::moment_size(b.spin_momentum, Vector3(m.omega));
     }
     for (int i = tree.size() - 1; i >= 0; --i)

@@ -118,16 +118,25 @@ RBDYN_INLINE std::pair<Vector3, Vector3> SystemPart::cardinal_residuals(const Po
     return {external_force() - q_rate, external_moment(pole.place) - k_rate - carried};
 }
 
+namespace theorems {
+
+/// The velocity of G is that of the origin and what turning adds to it: where they cancel it is rounding of these.
+inline double size_of_velocity(const BodyReport& b) {
+    return b.velocity.norm() + b.angular_velocity.norm() * (b.position - b.origin).norm();
+}
+
+}  // namespace theorems
+
 RBDYN_INLINE double SystemPart::size_of_momentum() const {
     double sum = 0.0;
-    each([&](const BodyReport& b, int) { sum += b.mass * b.velocity.norm(); });
+    each([&](const BodyReport& b, int) { sum += b.mass * theorems::size_of_velocity(b); });
     return sum;
 }
 
 RBDYN_INLINE double SystemPart::size_of_angular_momentum(const Vector3& pole) const {
     double sum = 0.0;
     each([&](const BodyReport& b, int) {
-        sum += b.mass * (b.position - pole).norm() * b.velocity.norm() + b.spin_momentum.norm();
+        sum += b.mass * (b.position - pole).norm() * theorems::size_of_velocity(b) + b.spin_momentum.norm();
     });
     return sum;
 }
