@@ -49,6 +49,17 @@ TEST(DoubleDouble, inverses_have_all_digits_of_what_is_small_and_of_what_is_larg
     EXPECT_EQ(atanh(DoubleDouble(1.0)).hi, std::numeric_limits<double>::infinity());
 }
 
+TEST(DoubleDouble, angles_of_any_size_have_sines_and_cosines) {
+    // beside those of the C library, whose arguments are exact; those of 32 digits are known to a rounding of the angle
+    for (const double x : {1e3, 1e10, 1e15, 1e16, 3e16, -1e17, 1.1e18, 1e19, -1.2345e22, 1e25, 1e31, 1e300}) {
+        const DoubleDouble s = sin(DoubleDouble(x)), c = cos(DoubleDouble(x));
+        EXPECT_LE(size(s * s + c * c - 1.0), x > 0x1p100 ? 1e-15 : digits) << x;
+        const double off = 2e-15 + (std::abs(x) < 0x1p100 ? 1e-31 * std::abs(x) : 0.0);
+        EXPECT_NEAR(s.hi, std::sin(x), off) << x;
+        EXPECT_NEAR(c.hi, std::cos(x), off) << x;
+    }
+}
+
 TEST(DoubleDouble, functions_undo_each_other_and_add_up) {
     Random random(5);
     for (int k = 0; k < 200; ++k) {

@@ -36,8 +36,17 @@ inline DoubleDouble exp(const DoubleDouble& x) {
 
 inline SineCosine<DoubleDouble> sine_cosine(const DoubleDouble& x) {
     if (!std::isfinite(x.hi)) return {std::sin(x.hi), std::cos(x.hi)};
-    const double quarters = std::round(x.hi / double_double::half_pi.hi);
-    const DoubleDouble r = x - double_double::half_pi * quarters, r2 = r * r;
+    // beyond 2^100 the last of 32 digits is longer than a turn
+    if (!(std::abs(x.hi) < 0x1p100)) return {std::sin(x.hi), std::cos(x.hi)};
+    double quarters = std::round(x.hi / double_double::half_pi.hi);
+    DoubleDouble r = x - double_double::half_pi * quarters;
+    // of more than 2^50 turns their number is rounded, too
+    while (std::abs(r.hi) > 0.8) {
+        const double more = std::round(r.hi / double_double::half_pi.hi);
+        r -= double_double::half_pi * more;
+        quarters = std::fmod(quarters, 4.0) + std::fmod(more, 4.0);
+    }
+    const DoubleDouble r2 = r * r;
     // |r| < 0.79: powers up to the 28th reach 2^-106
     DoubleDouble sine = 1.0, cosine = 1.0;
     for (int n = 28; n > 0; n -= 2) {
