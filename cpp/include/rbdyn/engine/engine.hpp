@@ -54,6 +54,9 @@ public:
     /// Takes it over, after start() and carry(). What is of another engine's is left alone.
     virtual void recall(std::span<const double> /*memory*/);
 
+    /// The largest size of each variable since the run began; empty where that is not known.
+    virtual std::vector<double> largest() const { return {}; }
+
     /// Whether that is more exact than the piece, so that a root of a variable on the piece is worth improving.
     virtual bool refines() const;
 

@@ -58,6 +58,9 @@ public:
     /// Takes a state into account.
     void widen(std::span<const double> x);
 
+    /// The largest size of each variable.
+    std::vector<double> largest() const;
+
     /// All of it as numbers, and back: as many as that has for these variables.
     std::vector<double> numbers() const;
     void set_numbers(std::span<const double> numbers);

@@ -22,6 +22,12 @@ RBDYN_INLINE void MotionScales::follow(std::span<const VariableGroup> groups) {
         if (g.alike != Alike::nothing) has_floor_ = ++count[static_cast<std::size_t>(g.alike)] > 1 || has_floor_;
 }
 
+RBDYN_INLINE std::vector<double> MotionScales::largest() const {
+    std::vector<double> all;
+    for (const Variable& v : variables_) all.push_back(v.magnitude);
+    return all;
+}
+
 RBDYN_INLINE std::vector<double> MotionScales::numbers() const {
     std::vector<double> all;
     for (const Variable& v : variables_) all.insert(all.end(), {v.low, v.high, v.magnitude});

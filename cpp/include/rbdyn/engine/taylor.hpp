@@ -77,6 +77,7 @@ public:
     void rest(double tau, std::span<const double> x, std::span<double> low) const override;
 
     void standing(std::span<double> x, std::span<double> low) const override;
+    std::vector<double> largest() const override { return scales_.largest(); }
     std::vector<double> memory() const override;
     void recall(std::span<const double> memory) override;
 

@@ -285,8 +285,9 @@ RBDYN_INLINE bool Driver::change(Record& record, const std::vector<int>& fired, 
     // what only stops the run changes nothing
     const std::vector<int> changing = without_stops(fired);
     const bool has_stops = changing.size() < fired.size();
-    Mode after =
-        changing.empty() ? now_.mode : model_.next_with_rest(now_.mode, changing, t.hi, x, now_.low, happenings);
+    Mode after = changing.empty()
+                     ? now_.mode
+                     : model_.next_with_rest(now_.mode, changing, t.hi, x, now_.low, engine_.largest(), happenings);
     if (std::any_of(happenings.begin(), happenings.end(),
                     [](const Happening& h) { return h.kind == EventKind::singular; })) {
         finish(record, t, Status::not_finite);

@@ -123,6 +123,32 @@ RBDYN_INLINE double TreeModel::speed_of(int contact, const std::vector<mechanics
     return speed;
 }
 
+RBDYN_INLINE double TreeModel::fastest_of(int contact, double t, std::span<const double> x,
+                                          std::span<const double> largest,
+                                          const std::vector<mechanics::Moving<double>>& all) const {
+    const mechanics::ContactLaw& c = conditions_->contacts()[at(contact)];
+    const auto velocity = [&](const std::vector<double>& state) {
+        return c.touching<double>(*tree_, moving(t, state)).velocity;
+    };
+    std::vector<double> one(x.begin(), x.end());
+    std::fill(one.begin() + tree_->positions(), one.end(), 0.0);
+    const Vector3 still = velocity(one);
+    double sum = 0.0;
+    std::vector<bool> is_taken(at(bodies()), false);
+    for (const int side : {c.a.body, c.b.body})
+        for (int i = side; i >= 0 && !largest.empty() && !is_taken[at(i)]; i = tree_->node(i).parent) {
+            const mechanics::Node& n = tree_->node(i);
+            is_taken[at(i)] = true;
+            for (int k = n.v; k < n.v + n.joint.velocities(); ++k) {
+                const std::size_t place = at(tree_->positions() + k);
+                one[place] = largest[place];
+                sum += Vector3(velocity(one) - still).norm();
+                one[place] = 0.0;
+            }
+        }
+    return std::max(sum, speed_of(contact, all));
+}
+
 RBDYN_INLINE std::vector<std::vector<double>> TreeModel::coupling(const std::vector<mechanics::Moving<double>>& all,
                                                                   const std::vector<int>& of) const {
     const auto every = conditions_->rows<double>(*tree_, all);

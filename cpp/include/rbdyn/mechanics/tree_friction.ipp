@@ -152,39 +152,7 @@ RBDYN_INLINE void TreeModel::settle_rough(const Mode& before, Mode& mode, double
     };
     // another form of the same motion: nothing happens
     if (is_small && std::all_of(fired.stopping.begin(), fired.stopping.end(), is_turning)) {
-        const mechanics::TreeState state = look(before, t, x);
-        const auto& all = state.moving;
-        for (const auto* list : {&fired.turning, &fired.stopping})
-            for (const int k : *list) {
-                const auto touching = conditions_->contacts()[at(k)].touching<double>(*tree_, all);
-                mechanics::ContactMemory memory = mechanics::ContactMemory::of(mode.memory, k);
-                const Vector3 slip = touching.slip();
-                // what an engine's accuracy cannot tell from the least speed stops along its last direction, and so
-                // does what it loses within the rounding of the time its end is located
-                const auto [first, second] = friction::across(touching.normal);
-                const auto along = [&](const Vector3& axis) {
-                    return acceleration_along(touching.row(axis, Vector3(Vector3::Zero())), state).first;
-                };
-                memory.least =
-                    std::max(memory.least, 8.0 * epsilon * std::abs(t) * std::hypot(along(first), along(second)));
-                const bool was_turning = mechanics::contact_state::follows_slip(mode.slip[at(k)]) ||
-                                         mode.slip[at(k)] == mechanics::contact_state::curves,
-                           is_least = was_turning && (list == &fired.stopping || !(slip.norm() > 1.5 * memory.least));
-                if (is_least) memory.least = std::max(memory.least, slip.norm());
-                // where nothing is left of it the last direction is all there is, and of what starts the slip so far is
-                // rounding beside its first acceleration
-                const bool starts = mode.slip[at(k)] == mechanics::contact_state::starts;
-                if (!starts && slip.norm() > 1e-3 * memory.least)
-                    memory.axis = touching.normal.cross(slip).normalized();
-                memory.put(mode.memory, k);
-                if (mechanics::contact_state::is_given(mode.slip[at(k)]))
-                    mode.slip[at(k)] = is_least ? rests : mechanics::contact_state::veers;
-                else
-                    mode.slip[at(k)] = starts     ? mechanics::contact_state::straight
-                                       : is_least ? mechanics::contact_state::brief
-                                                  : mechanics::contact_state::turning;
-            }
-        choose(mode, t, x, {});
+        turn(before, mode, t, x, fired);
         return;
     }
     if (settle_ending(before, mode, t, x, candidates, fired)) return;
@@ -215,6 +183,53 @@ RBDYN_INLINE void TreeModel::settle_rough(const Mode& before, Mode& mode, double
         breaking.push_back(leaves);
     }
     curve(before, mode, t, x);
+}
+
+RBDYN_INLINE void TreeModel::turn(const Mode& before, Mode& mode, double t, std::span<const double> x,
+                                  const Fired& fired) const {
+    namespace states = mechanics::contact_state;
+    const mechanics::TreeState state = look(before, t, x);
+    std::vector<int> turning = fired.turning;
+    for (const int k : fired.stopping)
+        if (std::find(turning.begin(), turning.end(), k) == turning.end()) turning.push_back(k);
+    for (const int k : turning) {
+        const bool stops = std::find(fired.stopping.begin(), fired.stopping.end(), k) != fired.stopping.end();
+        const auto touching = conditions_->contacts()[at(k)].touching<double>(*tree_, state.moving);
+        mechanics::ContactMemory memory = mechanics::ContactMemory::of(mode.memory, k);
+        const Vector3 slip = touching.slip();
+        const double speed = slip.norm();
+        const auto [first, second] = friction::across(touching.normal);
+        const auto along = [&](const Vector3& axis) {
+            return acceleration_along(touching.row(axis, Vector3(Vector3::Zero())), state).first;
+        };
+        const Vector3 rate = first * along(first) + second * along(second);
+        // what it loses within the rounding of the time its end is located is none
+        memory.least = std::max(memory.least, 8.0 * epsilon * std::abs(t) * rate.norm());
+        signed char& is = mode.slip[at(k)];
+        const bool was_turning = states::follows_slip(is) || is == states::curves, starts = is == states::starts,
+                   was_straight = is == states::straight;
+        if (was_turning || was_straight)
+            // nor is the rounding of the speeds that made it up
+            memory.least = std::max(memory.least, 0x1p-43 * fastest_of(k, t, x, fired.largest, state.moving));
+        // what has left its line by rounding goes on along it
+        if (was_straight && std::abs(memory.axis.dot(slip)) <= 0.5 * memory.least) {
+            memory.put(mode.memory, k);
+            continue;
+        }
+        // what an engine's accuracy cannot tell from rest stops along its last direction, but where it passes by
+        const bool passes = slip.cross(rate).norm() > 0.125 * speed * rate.norm(),
+                   is_least = was_turning && (!(speed > 1.5 * memory.least) || (stops && !passes));
+        if (is_least) memory.least = std::max(memory.least, speed);
+        // where nothing is left of it the last direction is all there is, and of what starts the slip so far is
+        // rounding beside its first acceleration
+        if (!starts && speed > 1e-3 * memory.least) memory.axis = touching.normal.cross(slip).normalized();
+        memory.put(mode.memory, k);
+        if (states::is_given(is))
+            is = is_least ? rests : states::veers;
+        else
+            is = starts ? states::straight : is_least ? states::brief : states::turning;
+    }
+    choose(mode, t, x, {});
 }
 
 RBDYN_INLINE std::vector<int> TreeModel::ending(const Mode& before, double t, std::span<const double> x,

@@ -87,8 +87,10 @@ RBDYN_INLINE void TreeWriter::guard_friction(EquationsWriter& write, int contact
         write.guard({.kind = EventKind::singular, .contact = contact, .name = "friction of " + c.name},
                     values_[first + 4]);
     const Vector3Of<S> slip = t.slip();
-    const Guard stops{.kind = EventKind::stick, .contact = contact, .name = "slip of " + c.name};
+    Guard stops{.kind = EventKind::stick, .contact = contact, .name = "slip of " + c.name};
     if (contact_state::follows_slip(state)) {
+        // a near miss of rest has its own least speed
+        stops.renews = true;
         write.guard(stops, f.speed - f.least);
         // a direction is not followed past a speed of zero: there the series of |u| goes on with another sign
         write.guard(turns, dot<S>(unit_along(f.axis, t.normal), slip) - S(0.875) * f.speed);
@@ -97,14 +99,12 @@ RBDYN_INLINE void TreeWriter::guard_friction(EquationsWriter& write, int contact
     // what starts has no speed yet, and no acceleration if it starts at the edge of its cone, but for rounding
     const bool begins = state == contact_state::starts || state == contact_state::curves;
     write.guard(stops, begins ? f.speed + f.least : f.speed);
-    if (state == contact_state::brief || state == contact_state::starts) {
-        write.guard(turns, S(2.0) * f.least - f.speed);
-        return;
-    }
+    const bool curves = state == contact_state::curves, is_brief = state == contact_state::brief;
+    if (is_brief || state == contact_state::starts) write.guard(turns, S(2.0) * f.least - f.speed);
+    if (state == contact_state::starts) return;
     const S across = dot<S>(cross<S>(t.normal, f.along), slip);
     // a direction that curves was made for what acts as it begins
-    const bool curves = state == contact_state::curves;
-    const S most = curves ? f.least + f.speed * S(1e-6) : f.least;
+    const S most = curves ? f.least + f.speed * S(1e-6) : is_brief ? S(2.0) * f.least : f.least;
     write.guard(turns, most - across);
     write.guard(turns, most + across);
     if (curves) write.guard(turns, f.left);

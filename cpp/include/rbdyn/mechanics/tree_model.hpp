@@ -97,7 +97,8 @@ public:
     Mode next(const Mode& mode, std::span<const int> fired, double t, std::span<double> x,
               std::vector<Happening>& happenings) const override;
     Mode next_with_rest(const Mode& mode, std::span<const int> fired, double t, std::span<double> x,
-                        std::span<double> rest, std::vector<Happening>& happenings) const override;
+                        std::span<double> rest, std::span<const double> largest,
+                        std::vector<Happening>& happenings) const override;
     void observe(const Mode& mode, double t, std::span<const double> x, std::vector<Observed>& observed) const override;
     double independence(const Mode& mode, double t, std::span<const double> x) const override;
     double guard_value(const Guard& guard, const Mode& mode, double t, std::span<const double> x) const override;
@@ -139,12 +140,17 @@ private:
     double least_size(const Mode& mode, const std::vector<mechanics::Moving<double>>& all) const;
     /// How fast they move at most [m/s].
     double speed_of(int contact, const std::vector<mechanics::Moving<double>>& all) const;
+    /// How fast what makes up its slip has moved at most, `largest` of the state so far: what rounding is a part of
+    /// [m/s].
+    double fastest_of(int contact, double t, std::span<const double> x, std::span<const double> largest,
+                      const std::vector<mechanics::Moving<double>>& all) const;
     /// What has fired of contacts.
     struct Fired {
         std::vector<int> landing, doubtful, breaking, stopping, turning, singular;
         std::vector<int> resisted_breaking, resisted_stopping, resisted_turning;  // of resistances
         std::vector<int> stuck;                                                   // by an impact
         std::vector<int> rubbed_breaking;                                         // joints
+        std::span<const double> largest;  // sizes of variables so far; empty: not known
         bool has(int contact) const;
         bool none() const;
     };
@@ -200,6 +206,8 @@ private:
     /// settle() where there is friction.
     void settle_rough(const Mode& before, Mode& mode, double t, std::span<double> x, const std::vector<int>& candidates,
                       const Fired& fired) const;
+    /// Puts slips that turn, and those that are too slow to have a direction, in the form that follows them.
+    void turn(const Mode& before, Mode& mode, double t, std::span<const double> x, const Fired& fired) const;
     /// One turn of it: with some held contacts that break.
     /// Settles contacts whose forces have come to zero: each goes on as it did, and opens if it would have to pull.
     /// Returns false where that is not all there is to it.
@@ -393,7 +401,7 @@ private:
 
     struct Encounter;
     void touch(const Mode& mode, Mode& after, std::span<const int> fired, double t, std::span<double> x,
-               std::span<double> rest, std::vector<Happening>& happenings) const;
+               std::span<double> rest, std::span<const double> largest, std::vector<Happening>& happenings) const;
 
     // --- rolling and pivoting (tree_rolling.ipp) ---
 

@@ -263,11 +263,12 @@ RBDYN_INLINE Mode TreeModel::begin(double t, std::span<double> x) const {
 RBDYN_INLINE Mode TreeModel::next(const Mode& mode, std::span<const int> fired, double t, std::span<double> x,
                                   std::vector<Happening>& happenings) const {
     std::vector<double> rest(x.size(), 0.0);
-    return next_with_rest(mode, fired, t, x, rest, happenings);
+    return next_with_rest(mode, fired, t, x, rest, {}, happenings);
 }
 
 RBDYN_INLINE Mode TreeModel::next_with_rest(const Mode& mode, std::span<const int> fired, double t, std::span<double> x,
-                                            std::span<double> rest, std::vector<Happening>& happenings) const {
+                                            std::span<double> rest, std::span<const double> largest,
+                                            std::vector<Happening>& happenings) const {
     const std::vector<double> reached(x.begin(), x.end());
     // what is set is short of nothing
     const auto forget = [&] {
@@ -327,7 +328,7 @@ RBDYN_INLINE Mode TreeModel::next_with_rest(const Mode& mode, std::span<const in
     }
     if (touches || (rubs && contacts() > 0)) {
         forget();
-        touch(mode, after, fired, t, x, rest, happenings);
+        touch(mode, after, fired, t, x, rest, largest, happenings);
         if (after.impossible.empty()) after.impossible = jump_of_drives(mode, after, t, x);
         return after;
     }
@@ -349,7 +350,7 @@ RBDYN_INLINE Mode TreeModel::next_with_rest(const Mode& mode, std::span<const in
     if (const bool jumps_off = surfaces_jump(mode, after, t, x); jumps_off || joints_slip(after, t, x)) {
         const Mode passed = jumps_off ? mode : after;
         if (contacts() > 0)
-            touch(passed, after, {}, t, x, rest, happenings);
+            touch(passed, after, {}, t, x, rest, largest, happenings);
         else
             rub(passed, after, {}, t, x, happenings);
         forget();
@@ -358,7 +359,7 @@ RBDYN_INLINE Mode TreeModel::next_with_rest(const Mode& mode, std::span<const in
     forget();
     after.impossible = jump_of_drives(mode, after, t, x);
     if (after.impossible.empty() && pulls(after, t, x)) {
-        touch(mode, after, {}, t, x, rest, happenings);
+        touch(mode, after, {}, t, x, rest, largest, happenings);
         return after;
     }
     come_to_stand(after, t, x);

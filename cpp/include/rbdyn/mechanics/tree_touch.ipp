@@ -307,10 +307,11 @@ RBDYN_INLINE void TreeModel::Encounter::tell() {
 }
 
 RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<const int> fired, double t,
-                                   std::span<double> x, std::span<double> rest,
+                                   std::span<double> x, std::span<double> rest, std::span<const double> largest,
                                    std::vector<Happening>& happenings) const {
     set_exactly(mode, fired, t, x, rest);
     Encounter now(*this, mode, after, t, x, rest, happenings);
+    now.events.largest = largest;
     const bool joints_change = heed_joints(mode, after, fired, t, x, now.events.rubbed_breaking, happenings);
     if (!after.impossible.empty()) return;
     now.forget();

@@ -93,9 +93,11 @@ public:
                       std::vector<Happening>& happenings) const = 0;
 
     /// The same, for one that knows what to do with digits beyond doubles: `rest` is what x is short of, and what it
-    /// sets is short of nothing.
+    /// sets is short of nothing. `largest`: the largest size of each variable so far, if that is known, whose rounding
+    /// is in x for good.
     virtual Mode next_with_rest(const Mode& mode, std::span<const int> fired, double t, std::span<double> x,
-                                std::span<double> rest, std::vector<Happening>& happenings) const;
+                                std::span<double> rest, std::span<const double> largest,
+                                std::vector<Happening>& happenings) const;
 
     /// What the accuracy of a motion is judged by, in a fixed order: by default the state variables, group by group.
     virtual void observe(const Mode& mode, double /*t*/, std::span<const double> x,

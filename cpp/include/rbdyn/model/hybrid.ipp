@@ -29,6 +29,7 @@ RBDYN_INLINE void HybridModel::wind(const Piece& /*piece*/, double /*length*/, s
 
 RBDYN_INLINE Mode HybridModel::next_with_rest(const Mode& mode, std::span<const int> fired, double t,
                                               std::span<double> x, std::span<double> rest,
+                                              std::span<const double> /*largest*/,
                                               std::vector<Happening>& happenings) const {
     const std::vector<double> reached(x.begin(), x.end());
     Mode after = next(mode, fired, t, x, happenings);
