@@ -1,7 +1,11 @@
 """How runs of random scenes with contacts end: the short form of contact_endings.py, which runs thousands of them."""
 
+import itertools
+import math
+
 import contact_endings
 import pytest
+import rbdyn as rb
 
 OPTIONS = {"rtol": 1e-12, "max_steps": 1500}
 # what a user would call a failure once: a direction that turns as a slip begins (2, 6, 8), slips that end under forces
@@ -42,3 +46,24 @@ def test_its_messages_are_told_by_class():
         "IntegrationError: simulate: inconsistent at t = 1.35e-05 s: no forces of contact 4, contact 15 do. No motion."
     )
     assert contact_endings.ending(why).endswith("inconsistent: no forces of contacts do. No motion.")
+
+
+def test_rods_that_no_force_keeps_sliding_end_by_that_name():
+    """Painleve's rod of the reference, and others like it: wherever the last step ends before the force is infinite."""
+    half, named = 0.5, 0
+    for mu, rate, speed in itertools.product((0.99, 1.0), (2.0, 2.1, 2.3), (0.9, 1.0, 1.2)):
+        scene = rb.Scene(gravity=[0, -9.8125, 0])
+        across, up = half * math.cos(0.5), half * math.sin(0.5)
+        rod = scene.add(
+            rb.shapes.rod(1.0, 2 * half, [1, 0, 0]),
+            rb.Planar([1, 0, 0], [0, 1, 0]),
+            position=[across, up],
+            velocity=[-20 * speed - rate * up, rate * across],
+            angle=0.5,
+            rate=rate,
+        )
+        scene.contact(rod.point([-half, 0, 0]), rb.Plane([0, 1, 0]), friction=rb.Coulomb(1.75 * mu))
+        with pytest.raises(rb.IntegrationError, match="Painleve") as end:
+            rb.simulate(scene, 1.0, rtol=1e-11)
+        named += end.value.run.status == "inconsistent" and 0.05 < end.value.run.end < 0.15
+    assert named == 18

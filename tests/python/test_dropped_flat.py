@@ -200,3 +200,28 @@ def test_what_rides_on_a_plate_bounces_with_it(e, mass, aside, in_plane, is_ball
     raised = height * e ** (2 * n)
     up = run[rider].position(t)[2] - run[rider].position(1.0)[2], run[plate].position(t)[2] - 0.05
     assert up == pytest.approx((raised, raised), rel=1e-8)
+
+
+@pytest.mark.parametrize("feet", [0.0, 0.3])
+@pytest.mark.parametrize("restitution", [0.0, 0.25])
+def test_what_slides_on_a_block_that_bounces_flat_bounces_with_it(restitution, feet):
+    """Nothing presses a bead on a block that flies: what strikes the block strikes both, and they go on together, as
+    fast as the block's feet throw it back."""
+    g, fall, half, e = 1.0, 0.75, 0.25, 0.5
+    scene = rb.Scene(gravity=[0, -g, 0])
+    block = scene.add(rb.RigidBody(1.0, [0.1] * 3), rb.Planar([1, 0, 0], [0, 1, 0]), position=[0, half + fall])
+    bead = scene.add(rb.Particle(2.0), position=[0, 2 * half + fall, 0], velocity=[0.125, 0, 0])
+    for x in (-0.5, 0.5):
+        friction = rb.Coulomb(feet) if feet > 0 else None
+        scene.contact(block.point([x, -half, 0]), rb.Plane([0, 1, 0]), restitution=e, friction=friction, name=f"{x}")
+    top = block.plane([0, 1, 0], [0, half, 0])
+    scene.contact(bead, top, restitution=restitution, friction=rb.Coulomb(1e-3))
+    first = math.sqrt(2 * fall / g)
+    run = rb.simulate(scene, 2.3 * first, rtol=1e-12)
+    strikes = [event.time for event in run.events if event.kind == "impact" and event.name == "0.5"]
+    assert len(strikes) == 2 and abs(strikes[0] - first) < 1e-13 and abs(strikes[1] - 2 * first) < 1e-13
+    for flights, strike in enumerate(strikes, 1):
+        for body in (block, bead):
+            speed = run[body].velocity(strike, side="after")[1]
+            assert abs(speed - g * first * e**flights) < 1e-12
+    assert abs(run[bead].position(run.end)[1] - run[block].position(run.end)[1] - half) < 1e-12

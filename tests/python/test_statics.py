@@ -378,3 +378,24 @@ def catenary_modes(weights, horizontal, length, gravity):
     basis = right[2:].T
     inverse = np.linalg.inv(np.linalg.cholesky(basis.T @ masses @ basis))
     return np.linalg.eigvalsh(inverse @ (basis.T @ stiff @ basis) @ inverse.T)
+
+
+@pytest.mark.parametrize("place", [1.0, 0.3, -0.3, 2.0])
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_pole_of_a_torque_is_no_state_of_rest(sign, place):
+    """However it changes its sign there, and whatever else it has."""
+
+    def states(torque):
+        scene = rb.Scene()
+        hinge = scene.add(rb.RigidBody(1.0, [1, 1, 1]), rb.Revolute([0, 0, 1]))
+        scene.apply(rb.JointTorque(lambda t, q, rate: sign * torque(q - place)), hinge)
+        return sorted(
+            ((s.coordinates[0] - place + math.pi) % math.tau - math.pi, s.stable) for s in rb.equilibria(scene)
+        )
+
+    assert states(lambda q: 1 / np.sin(q)) == []
+    ((found, stable),) = states(lambda q: 0.5 + np.tan(q / 2))
+    assert abs(found + 2 * math.atan(0.5)) < 1e-14 and stable == (sign < 0)
+    (low, high) = states(lambda q: 1 / np.tan(q))
+    assert abs(low[0] + math.pi / 2) < 1e-14 and abs(high[0] - math.pi / 2) < 1e-14
+    assert low[1] == high[1] == (sign > 0)

@@ -53,7 +53,7 @@ RBDYN_INLINE void Runner::end_at(double until) {
     SimulateOptions ends = base_;
     ends.keep = {.what = Keep::What::end, .times = {}};
     compared_ = simulating::compared_pieces(ends);
-    const std::size_t enough = std::clamp<std::size_t>(60'000 / variables, 150, 600);
+    const std::size_t enough = std::min(std::clamp<std::size_t>(60'000 / variables, 150, 600), compared_.times.size());
     std::vector<double> times;
     for (std::size_t i = 1; i <= enough; ++i) times.push_back(compared_.times[i * compared_.times.size() / enough - 1]);
     compared_.times = std::move(times);

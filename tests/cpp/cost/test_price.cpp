@@ -11,6 +11,7 @@
 
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/cost.hpp"
+#include "rbdyn/pricing.hpp"
 #include "rbdyn/simulate.hpp"
 
 namespace rbdyn::test::test_price {
@@ -137,6 +138,18 @@ TEST(Prices, end_where_whoever_watches_says_so) {
     const Price price = cost(orbit(), {.until = 5.0, .monitor = [&](double) { return ++asked < 3; }});
     EXPECT_LE(price.rows.size(), 2u);
     EXPECT_EQ(asked, 3);
+}
+
+TEST(Prices, runs_are_compared_at_times_of_the_motion) {
+    pricing::Purse purse(1.0, {});
+    for (const double start : {0.0, 5.0, -3.0}) {
+        const SimulateOptions base{.until = start + 2.0, .start = start};
+        const std::vector<double> times = pricing::Runner({}, base, purse).compared().times;
+        ASSERT_GE(times.size(), 150u);
+        EXPECT_GE(times.front(), start);
+        EXPECT_EQ(times.back(), base.until);
+        EXPECT_TRUE(std::ranges::is_sorted(times));
+    }
 }
 
 }  // namespace

@@ -17,6 +17,9 @@ struct WatchedSide {
     int product = 0;                            // of a first factor: the last side of the product that is known
     double known_from = 0.0;                    // where on the piece its side becomes known; 0: it is
     std::optional<double> zero = std::nullopt;  // its value where it fired last
+    // it has passed zero where a mode ended, and been no farther from there since than rounding of the motion then;
+    // 0: that is over
+    double within = 0.0;
 };
 
 struct Halt {

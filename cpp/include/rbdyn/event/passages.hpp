@@ -28,6 +28,7 @@ public:
         bool at_zero = false;                       // what the piece begins with is known to be zero
         std::optional<double> zero = std::nullopt;  // the value known to be zero, if that may be what it begins with
         bool by_rounding = false;                   // it is zero only as far as can be told
+        double within = 0.0;                        // up to there it is not told from the zero it begins with
         double gap = 0.0;                           // between the last piece and this one
         std::optional<double> late = std::nullopt;  // how far beyond 1 is met at 1: the run ends there
         double reach = 0x1p-4;                      // how far beyond 1 the polynomial holds
@@ -72,9 +73,10 @@ public:
         finder_.find(q_.data() + first, degree - first, roots_);
         // far from zero at the end of the run, too
         const bool ends = !a.late || std::abs(value(1.0)) > 1e-3 * series::value_of_sizes(q_.data(), degree_, 1.0);
-        if (roots_.empty() && finder_.multiple().empty() && leaves_ == a.side && ends && !cancels()) return;
+        if (a.within == 0.0 && roots_.empty() && finder_.multiple().empty() && leaves_ == a.side && ends && !cancels())
+            return;
         if (!has_noise_) weigh(sizes, a);
-        at_start_ = at_zero ? 0.0 : noise_[0];
+        at_start_ = at_zero ? a.within : noise_[0];
         keep_lobes(a, at_end);
     }
 
@@ -130,7 +132,7 @@ private:
         sizes(noise_.data());
         for (int k = 0; k <= degree_; ++k)
             noise_[at(k)] = 4.0 * epsilon * looseness_ * std::max(noise_[at(k)], std::abs(q_[at(k)]));
-        noise_[0] = std::max(noise_[0], a.gap);
+        noise_[0] = std::max({noise_[0], a.gap, a.within});
         // what a series leaves out is less than its last terms
         if (a.is_series && degree_ > 1)
             noise_[at(degree_)] += std::max(std::abs(q_[at(degree_)]), 0.1 * std::abs(q_[at(degree_ - 1)]));

@@ -90,7 +90,7 @@ private:
 
     /// The side a watched function that was at zero where a mode begins goes to in it; 0: it stays, or no one can tell.
     /// `few`: to how much of themselves the numbers it is made of are known.
-    static int side_after(const Mode& mode, const Guard& guard, Instant t, std::span<const double> x, double few);
+    int side_after(const Mode& mode, const Guard& guard, Instant t, std::span<const double> x, double few);
 
     struct Found {
         double place, doubt, near;  // on [0, 1] of the piece
@@ -296,6 +296,9 @@ private:
     /// A guard at a place of the piece; `by_piece`: of one that is recorded, at the state the polynomial gives.
     double value_at(const Mode& mode, const Guard& guard, double place, bool by_piece = false);
 
+    /// How far from zero rounding of the motion may have a guard that is zero at a place of the piece.
+    double rounding_at_zero(const Mode& mode, const Guard& guard, double place);
+
     /// Whether it is known of a guard that it begins the piece with its zero, and the value of that if it is to be
     /// compared.
     void know_zero(const Guard& guard, std::size_t g, bool fresh, int starts, Passages::Arrival& arrival);
@@ -313,8 +316,8 @@ private:
     std::vector<int> ended_;        // contacts whose force came to zero as the last mode ended, where no more fired
     // guards that passed zero at the end of the run, and where the one ended that this goes on with: they begin at it
     std::vector<bool> passed_at_end_, passed_before_;
-    std::vector<int> passed_at_cut_;  // watched functions, by part, that passed zero where the last mode ended
-    std::vector<bool> stays_;         // guards that are zero all along the piece
+    std::vector<int> leaving_;  // watched functions, by part, that stayed where they passed zero until this piece
+    std::vector<bool> stays_;   // guards that are zero all along the piece
     std::vector<int> fired_;
     std::vector<Direction> directions_;
     std::vector<Found> found_;

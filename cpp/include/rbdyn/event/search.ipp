@@ -67,6 +67,7 @@ RBDYN_INLINE void EventSearch::forget_side(const Guard& guard) {
     w.side = 0;
     w.reached = 0;
     w.product = 0;
+    w.within = 0.0;
 }
 
 RBDYN_INLINE void EventSearch::set_crowded(int crowded) {
@@ -83,7 +84,7 @@ RBDYN_INLINE double EventSearch::examine(Record& record, const Mode& mode, bool 
     touch_ = std::numeric_limits<double>::infinity();
     for (Watched& w : watched_) w.known_from = 0.0;
     passed_at_end_.clear();
-    if (!fresh) passed_at_cut_.clear();
+    leaving_.clear();
     if (guards.empty()) return -1.0;
     const Piece& piece = engine_.piece();
     found_.clear();
@@ -95,6 +96,9 @@ RBDYN_INLINE double EventSearch::examine(Record& record, const Mode& mode, bool 
     for (std::size_t g = 0; g < guards.size(); ++g)
         guards[g].least < 0.0 ? seek_least(record, mode, g) : seek(mode, guards, g, fresh, is_last);
     passed_before_.clear();
+    const auto leave_zero = [&] {
+        for (const int part : leaving_) watched_[at(part)].within = 0.0;
+    };
     const auto note_doubt = [&](double end) {
         if (touch_ * piece.length < end && !record.doubt) record.doubt = piece.at(touch_ * piece.length);
     };
@@ -102,6 +106,7 @@ RBDYN_INLINE double EventSearch::examine(Record& record, const Mode& mode, bool 
     multiply_sides(guards);
     if (found_.empty()) {
         ended_.clear();
+        leave_zero();
         note_doubt(piece.length);
         return -1.0;
     }
@@ -127,8 +132,9 @@ RBDYN_INLINE double EventSearch::examine(Record& record, const Mode& mode, bool 
     // the side to which a function would go beyond the end of the mode is not the one it was on
     for (Watched& w : watched_)
         if (w.known_from > 0.0 && cut >= 0.0 && w.known_from * piece.length >= cut) w.side = 0;
+    // a mode that ends where it begins leaves nothing
+    if (cut < 0.0 || !(fresh && at_start_)) leave_zero();
     note_doubt(cut >= 0.0 ? cut : piece.length);
-    std::vector<int> passed_at_cut;
     for (const Found& f : found_) {
         // what comes after the end of the mode is found again in the next one, by its side
         const Guard& guard = guards[f.guard];
@@ -139,9 +145,9 @@ RBDYN_INLINE double EventSearch::examine(Record& record, const Mode& mode, bool 
         }
         if (f.breaks) continue;
         side_of(guard) = f.rising ? 1 : -1;
-        if (guard.watch >= 0 && !f.is_pole && cut >= 0.0 &&
+        if (guard.watch >= 0 && guard.output >= 0 && !f.is_pole && cut >= 0.0 &&
             (f.place + std::max({f.near, f.doubt, 16.0 * finest()})) * piece.length >= cut)
-            passed_at_cut.push_back(guard.part);
+            watched(guard).within = rounding_at_zero(mode, guard, cut);
         if (f.product != 0) product_of(guards, factors_of(guards, f.guard)) = f.product;
         if (is_last && !f.is_pole && f.place + std::max(f.near, 16.0 * finest()) >= 1.0) {
             passed_at_end_.resize(guards.size());
@@ -163,9 +169,6 @@ RBDYN_INLINE double EventSearch::examine(Record& record, const Mode& mode, bool 
     for (const int g : fired_)
         if (const Guard& guard = guards[static_cast<std::size_t>(g)]; guard.watch >= 0)
             watched(guard).zero = value_at(mode, guard, cut);
-    // a mode that ends where it begins has the same instant behind it
-    if (cut >= 0.0 && !(fresh && at_start_)) passed_at_cut_.clear();
-    passed_at_cut_.insert(passed_at_cut_.end(), passed_at_cut.begin(), passed_at_cut.end());
     return cut;
 }
 
@@ -187,7 +190,9 @@ RBDYN_INLINE bool EventSearch::examine_still(Record& record, const Mode& mode, I
             if (!std::isfinite(value)) broken_ = &guard;
             const int reached = std::exchange(watched(guard).reached, 0);
             const int stays = reached != 0 && !is_level_at(mode, t.hi, x, guard.output) ? reached : 0;
-            sides.push_back(value > 0.0 ? 1 : value < 0.0 ? -1 : stays);
+            const double within = watched(guard).within;
+            const bool is_passed = within > 0.0 && std::abs(value) <= within;
+            sides.push_back(is_passed ? watched(guard).side : value > 0.0 ? 1 : value < 0.0 ? -1 : stays);
             if (sides.back() != 0) watched(guard).side = sides.back();
         }
         --g;
@@ -247,7 +252,13 @@ RBDYN_INLINE int EventSearch::side_after(const Mode& mode, const Guard& guard, I
                                          double few) {
     if (guard.output < 0 || mode.still) return 0;
     // its value there is the error of the state, unless it has jumped
-    const bool is_zero = is_zero_at(mode, t.hi, x, guard.output, few);
+    bool is_zero = is_zero_at(mode, t.hi, x, guard.output, few);
+    if (const double within = watched(guard).within; !is_zero && within > 0.0) {
+        Evaluator<double> values(mode.equations->program);
+        values.set_parameters(mode.parameters);
+        values(t.hi, x);
+        is_zero = std::abs(values.output(guard.output)) <= within;
+    }
     return leading_sign(mode, t.hi, x, guard.output, is_zero ? 1 : 0);
 }
 
@@ -408,12 +419,18 @@ RBDYN_INLINE void EventSearch::seek(const Mode& mode, const std::vector<Guard>& 
     if (is_watch) ends_[g] = series::value(q.data(), degree_, 1.0);
     if (fresh && !is_watch) side = 1;
     const int starts = q[0] > 0.0 ? 1 : q[0] < 0.0 ? -1 : 0;
-    if (!fresh && !is_last && starts == side && series::keeps_sign(q.data(), degree_)) {
+    const double within = guard.watch >= 0 ? watched(guard).within : 0.0;
+    if (!fresh && !is_last && starts == side && within == 0.0 && series::keeps_sign(q.data(), degree_)) {
         stays_[g] = false;
         return;
     }
     Passages::Arrival arrival{.is_series = !engine_.fits_guards()};
     know_zero(guard, g, fresh, starts, arrival);
+    // what has passed zero just where a mode ended has passed it, whatever rounding makes of it while it stays there
+    if (within > 0.0 && std::abs(q[0]) <= within) {
+        arrival.at_zero = true;
+        arrival.within = within;
+    }
     if (!fresh && is_watch && !arrival.at_zero && starts == -side && passed_pole(mode, guard, q[0])) {
         side = starts;
         product_of(guards, factors_of(guards, g)) *= -1;
@@ -446,9 +463,7 @@ RBDYN_INLINE void EventSearch::seek(const Mode& mode, const std::vector<Guard>& 
         if (arrival.at_zero && is_level_at(mode, engine_.piece().start.hi, state_of_piece(0.0), guard.output))
             watched(guard).reached = 0;
     }
-    // what has passed zero just where the last mode ended has passed it, whatever rounding the next one begins with
-    if (fresh && guard.watch >= 0 && starts == -side && !arrival.at_zero &&
-        std::ranges::find(passed_at_cut_, guard.part) != passed_at_cut_.end())
+    if (fresh && within > 0.0 && starts == -side && !arrival.at_zero)
         arrival.at_zero = begins_at_zero(mode, guard, 32.0 * epsilon);
     // two pieces meet within the error of the first
     if (!fresh && is_watch && starts != side && std::isfinite(end)) arrival.gap = 2.0 * std::abs(end - q[0]);
@@ -493,6 +508,7 @@ RBDYN_INLINE void EventSearch::seek(const Mode& mode, const std::vector<Guard>& 
     // a watched function and the distinction that it has a corner by are seen alike
     if (is_watch || is_distinction(guard)) look_closer(mode, guard, sign, 0.0, 1.0, arrival, engine_.fits_guards());
     const std::size_t before = found_.size();
+    if (within > 0.0 && passages_.leaves() != 0) leaving_.push_back(guard.part);
     take(guard, g, fresh, 0.0, 1.0, side);
     if (is_watch || is_distinction(guard)) sharpen(mode, guard, sign, before);
     if (guard.kind != EventKind::reverse || !model_.holds_what_touches(guard.subject)) return;
@@ -505,6 +521,11 @@ RBDYN_INLINE double EventSearch::value_rounding(const Mode& mode, const Guard& g
     const Piece& piece = engine_.piece();
     const double tau = place * piece.length;
     return 4.0 * epsilon * size_of_terms(mode, piece.at(tau).hi, state_of_piece(tau), guard.output);
+}
+
+RBDYN_INLINE double EventSearch::rounding_at_zero(const Mode& mode, const Guard& guard, double place) {
+    const double t = engine_.piece().at(place).hi;
+    return 32.0 * epsilon * AtZero(mode, t, state_of_piece(place)).size(guard.output);
 }
 
 RBDYN_INLINE void EventSearch::take(const Guard& guard, std::size_t g, bool fresh, double lo, double hi, int known) {

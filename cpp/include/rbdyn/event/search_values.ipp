@@ -39,6 +39,7 @@ RBDYN_INLINE void EventSearch::seek_by_values(const Mode& mode, const Guard& gua
     const Piece& piece = engine_.piece();
     // its values tell whether what was reached where the mode began is passed
     if (fresh && guard.watch >= 0) watched(guard).reached = 0;
+    if (guard.watch >= 0) watched(guard).within = 0.0;
     const auto value = [&](double x) { return sign * value_at(mode, guard, x * piece.length, true); };
     // the side so far, with what was already found on this piece
     const auto side = [&] {

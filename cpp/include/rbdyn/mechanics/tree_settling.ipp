@@ -84,7 +84,8 @@ RBDYN_INLINE void TreeModel::settle_smooth(Mode& mode, double t, std::span<doubl
     for (const int k : candidates) mode.slip[at(k)] = flies;
     choose(mode, t, x, {}, true);
     if (candidates.empty()) return;
-    const auto [b, noise] = opening(mode, t, x, candidates);
+    const auto opens = opening(mode, t, x, candidates);
+    const std::vector<double>&b = opens.first, &noise = opens.second;
     const auto all = moving(t, x);
     // what has ended again at the instant at which loads were shared anew is at its edge
     const bool is_at_edge = !doubtful.empty() && std::ranges::any_of(candidates, [&](int k) {

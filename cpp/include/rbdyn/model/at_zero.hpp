@@ -21,6 +21,9 @@ public:
     /// As is_zero_at().
     bool operator()(int output, double few = 8.0 * std::numeric_limits<double>::epsilon());
 
+    /// How far from zero an output is that is zero, by so much of the size of all numbers.
+    double size(int output);
+
 private:
     GradientEvaluator f_;
     double t_;

@@ -27,7 +27,10 @@ RBDYN_INLINE AtZero::AtZero(const Mode& mode, double t, std::span<const double> 
 
 RBDYN_INLINE bool AtZero::operator()(int output, double few) {
     const double value = std::abs(f_.output(output));
-    if (value <= few * f_.magnitude(output)) return true;
+    return value <= few * f_.magnitude(output) || value <= few * size(output);
+}
+
+RBDYN_INLINE double AtZero::size(int output) {
     // time acts by itself and by the state
     double by_state = 0.0, rate = 0.0;
     for (const auto& [variable, slope] : f_.gradient(output)) {
@@ -35,7 +38,7 @@ RBDYN_INLINE bool AtZero::operator()(int output, double few) {
         if (!is_time) by_state += std::abs(slope * x_[static_cast<std::size_t>(variable)]);
         rate += is_time ? slope : slope * f_.output(variable);
     }
-    return value <= few * (f_.magnitude(output) + by_state + std::abs(t_ * rate));
+    return f_.magnitude(output) + by_state + std::abs(t_ * rate);
 }
 
 RBDYN_INLINE bool is_zero_at(const Mode& mode, double t, std::span<const double> x, int output, double few) {

@@ -112,22 +112,36 @@ RBDYN_ABREAST void log_step(const Lanes* size, int p, const Lanes& scale, const 
     out = log_length;
 }
 
+/// Lanes of a and b, which are 0 to 3 and 4 to 7, in an order.
+template <int... lanes>
+RBDYN_ABREAST void pick(const Four& a, const Four& b, Four& out) {
+#if defined(__clang__)
+    out = __builtin_shufflevector(a, b, lanes...);
+#else
+    using Places = std::int64_t __attribute__((vector_size(32)));
+    out = __builtin_shuffle(a, b, Places{lanes...});
+#endif
+}
+
 /// Coefficients 0 .. count - 1 of a series of several motions, to a row of each: four by four.
 template <class Lanes>
 RBDYN_ABREAST void rows(const Lanes* c, int count, double* const* to) {
     constexpr int lanes = sizeof(Lanes) / sizeof(double), four = 4;
-    using Places = std::int64_t __attribute__((vector_size(32)));
     for (int first = 0; first < lanes; first += four) {
         const auto* const from = reinterpret_cast<const Four*>(c) + first / four;
         constexpr int next = lanes / four;
         int k = 0;
         for (; k + four <= count; k += four) {
             const Four a = from[k * next], b = from[(k + 1) * next], d = from[(k + 2) * next], e = from[(k + 3) * next];
-            const Four p = __builtin_shuffle(a, b, Places{0, 4, 2, 6}), q = __builtin_shuffle(a, b, Places{1, 5, 3, 7}),
-                       r = __builtin_shuffle(d, e, Places{0, 4, 2, 6}), s = __builtin_shuffle(d, e, Places{1, 5, 3, 7});
-            const Four row[four] = {
-                __builtin_shuffle(p, r, Places{0, 1, 4, 5}), __builtin_shuffle(q, s, Places{0, 1, 4, 5}),
-                __builtin_shuffle(p, r, Places{2, 3, 6, 7}), __builtin_shuffle(q, s, Places{2, 3, 6, 7})};
+            Four p, q, r, s, row[four];
+            pick<0, 4, 2, 6>(a, b, p);
+            pick<1, 5, 3, 7>(a, b, q);
+            pick<0, 4, 2, 6>(d, e, r);
+            pick<1, 5, 3, 7>(d, e, s);
+            pick<0, 1, 4, 5>(p, r, row[0]);
+            pick<0, 1, 4, 5>(q, s, row[1]);
+            pick<2, 3, 6, 7>(p, r, row[2]);
+            pick<2, 3, 6, 7>(q, s, row[3]);
             for (int l = 0; l < four; ++l)
                 if (to[first + l] != nullptr) std::memcpy(to[first + l] + k, &row[l], sizeof row[l]);
         }

@@ -369,12 +369,13 @@ RBDYN_INLINE void PathEquilibria::add_jump(const Piece& before, const Piece& aft
     if (!after.cut_below || gap > 1e-11 * std::max(std::abs(after.begin()), after.half)) return;
     const double from = before.value(PathForces::along, 1.0), to = after.value(PathForces::along, -1.0);
     if (std::abs(from) <= noise || std::abs(to) <= noise || (from > 0.0) == (to > 0.0)) return;
-    // at a pole it grows beyond all bounds
-    const double from_before = before.value(PathForces::along, -1.0), to_after = after.value(PathForces::along, 1.0);
-    if (gap > 0.0 && !adjoin(before.end(), after) &&
-        (std::abs(from) > 1.5 * std::abs(from_before) || std::abs(to) > 1.5 * std::abs(to_after)))
-        return;
     const double u = before.end() + 0.5 * gap;
+    // at a pole it grows beyond all bounds, at a jump it is the same beside the gap and a little farther away
+    const double aside = 0x1p10 * gap;
+    const auto grows_to = [&](double value, double place) {
+        return place >= low_ && place <= high_ && std::abs(value) > 1.1 * std::abs(forces_.along_path(place));
+    };
+    if (gap > 0.0 && !adjoin(before.end(), after) && (grows_to(from, u - aside) || grows_to(to, u + aside))) return;
     points_.push_back({u, after.half, from > 0.0, is_pushed(u)});
 }
 

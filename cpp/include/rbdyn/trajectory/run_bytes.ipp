@@ -204,6 +204,7 @@ RBDYN_INLINE void put(Writer& w, const Halt& halt) {
         w.put(side.product);
         w.put(side.known_from);
         put_zero(side.zero);
+        w.put(side.within);
     }
     w.put(halt.sides);
     w.put(halt.ends);
@@ -242,6 +243,7 @@ RBDYN_INLINE Halt take_halt(Reader& r, const SceneModel& model) {
         side.product = r.whole(-1, 1);
         r.take(side.known_from);
         side.zero = take_zero();
+        r.take(side.within);
     }
     halt.sides = r.list<int>();
     halt.ends = r.list<double>();
