@@ -46,6 +46,7 @@ SUBJECTS = {
 # what these stand on, which a program that uses rbdyn has no need to know
 INNER = [
     *("basics/dense", "basics/double_double", "basics/double_double_vector", "basics/form", "basics/instant"),
+    "basics/shared",
     *("basics/interruption", "expression/functor"),
     *("closed_form/symmetric_modes", "curve/axes", "curve/checks", "curve/own_axes", "curve/polynomial_piece"),
     *("curve/stretch", "engine/work", "expression/callback", "expression/derivative", "expression/given"),

@@ -123,6 +123,7 @@
 #include "rbdyn/expression/series_abreast.ipp"
 #include "rbdyn/expression/series_evaluator.ipp"
 #include "rbdyn/expression/series_sizes.ipp"
+#include "rbdyn/expression/slot_ring.ipp"
 #include "rbdyn/expression/state_jacobian.ipp"
 #include "rbdyn/expression/streamed_series.ipp"
 #include "rbdyn/expression/term_sizes.ipp"

@@ -139,7 +139,8 @@ TEST(RepeatedCode, has_the_bits_of_the_lists_for_springs_in_a_row) {
         for (const int masses : {40, 101, 402}) {
             const Program program = springs(masses, are_alike);
             for (int order = 2; order <= 26; order += masses > 100 ? 6 : 1)
-                for (const auto use : {SeriesEvaluator::Use::any, SeriesEvaluator::Use::expansion}) {
+                for (const auto use :
+                     {SeriesEvaluator::Use::any, SeriesEvaluator::Use::expansion, SeriesEvaluator::Use::states}) {
                     EXPECT_TRUE(hold(random, program, order, use, Places::in_line))
                         << masses << " masses, order " << order;
                     if (HasFailure()) return;

@@ -298,7 +298,7 @@ RBDYN_INLINE double TaylorEngine::power_of_two(double x) {
 }
 
 RBDYN_INLINE TaylorEngine::Workshop::Workshop(const Equations& equations, int order)
-    : series(equations.program, order, SeriesEvaluator::Use::expansion),
+    : series(equations.program, order, SeriesEvaluator::Use::states),
       hidden(equations.program, order),
       singular(equations),
       looked_at(hidden.slots()) {
@@ -320,7 +320,8 @@ RBDYN_INLINE void TaylorEngine::expand() {
     length_.reset();
     abreast_ = nullptr;
     series_->begin(t_.hi, unit_);
-    for (int i = 0; i < equations_->variables(); ++i) series_->set_input(i, 0, x_[at(i)]);
+    double* first = series_->row(0);
+    for (std::size_t i = 0; i < x_.size(); ++i, first += series_->stride()) *first = x_[i];
     series_->expand(order_, !equations_->guards.empty());
 }
 

@@ -87,6 +87,13 @@ RBDYN_INLINE std::size_t Abreast::room() {
 RBDYN_INLINE const AbreastShape* Abreast::shape_of(const TaylorEngine& engine) {
     const Program& program = engine.program();
     if (!SeriesAbreast::takes(program)) return nullptr;
+    // order after order all of what is larger than the second cache comes from beyond it, which takes longer than each
+    // by itself
+    constexpr std::size_t large = 1U << 20, lanes = 8;
+    if (sizeof(double) * lanes * static_cast<std::size_t>(program.slots()) *
+            static_cast<std::size_t>(engine.order() + 1) >
+        large)
+        return nullptr;
     for (const auto& known : shapes_)
         if (known->few->fits(program, engine.order())) return known.get();
     return shapes_.emplace_back(std::make_unique<AbreastShape>(program, engine.order())).get();

@@ -13,6 +13,7 @@
 
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/basics/instant.hpp"
+#include "rbdyn/basics/large_memory.hpp"
 #include "rbdyn/closed_form/closed_form.hpp"
 #include "rbdyn/engine/engine.hpp"
 #include "rbdyn/event/event.hpp"
@@ -84,10 +85,10 @@ public:
 
 private:
     /// Doubles that are written before they are read.
-    struct Unwritten : std::allocator<double> {
+    struct Unwritten : LargeAllocator<double> {
         template <class Other>
         struct rebind {
-            using other = std::conditional_t<std::is_same_v<Other, double>, Unwritten, std::allocator<Other>>;
+            using other = std::conditional_t<std::is_same_v<Other, double>, Unwritten, LargeAllocator<Other>>;
         };
         template <class... From>
         void construct(double* place, const From&... from) {

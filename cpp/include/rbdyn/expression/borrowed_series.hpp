@@ -23,8 +23,9 @@ struct KeptSeries::Shelf {
     };
     static constexpr std::size_t most = 4;  // that are free: an engine's, and of those that look at a start
     static constexpr std::size_t most_bytes = 1U << 18;  // of one
-    // and so many larger ones with repeated code: of two runs that judge each other each has an order of its own
-    static constexpr std::size_t most_long = 2, most_bytes_of_long = 1U << 23;
+    // and so many larger ones with repeated code, with their lists of so many bytes: of two runs that judge each other
+    // each has an order of its own
+    static constexpr std::size_t most_long = 2, most_bytes_of_long = 1U << 29;
 
     std::mutex mutex;
     std::vector<Kept> free;

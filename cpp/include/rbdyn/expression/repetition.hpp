@@ -72,8 +72,8 @@ private:
     /// Tells kinds of slots from how they move from the model to the next chunk; whether there are no more than
     /// `kinds`.
     bool tell_kinds(const Shape& model, const Shape& next);
-    /// Which lines of a cache the model's slots are in.
-    void tell_lines(std::ptrdiff_t row);
+    /// Which lines of a cache the model's slots before a place are in.
+    void tell_lines(std::ptrdiff_t row, std::ptrdiff_t end);
     /// Whether slots of two kinds, moved by so much against one another, are the same.
     bool meet(std::size_t a, std::size_t b, std::ptrdiff_t by) const;
     /// Where its own begin, if a chunk is like the model.

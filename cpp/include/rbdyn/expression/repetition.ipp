@@ -33,12 +33,16 @@ RBDYN_INLINE void Repetition::Shape::clear() {
 
 RBDYN_INLINE Repetition::Repetition(const SeriesEvaluator& e)
     : model_(e.wavefront_->chunks.size() / 2), is_like_(e.wavefront_->chunks.size(), 0), chunks_(is_like_.size()) {
+    // where places begin again, neighbours lie elsewhere
+    if (const SlotRing* const ring = e.ring_.get())
+        model_ = model_ / ring->period() * ring->period() + ring->period() / 2;
     if (model_ + 1 >= is_like_.size()) return;
     Shape model, other;
     write(e, model_, model);
     write(e, model_ + 1, other);
     if (!tell_kinds(model, other)) return;
-    tell_lines(static_cast<std::ptrdiff_t>(sizeof(double)) * (e.top_ + 1));
+    constexpr auto size = static_cast<std::ptrdiff_t>(sizeof(double));
+    tell_lines(size * (e.top_ + 1), size * (e.ring_ != nullptr ? e.ring_->begin() : e.place(e.program_->slots())));
     // a weight that all have, and that is 1 or -1, needs no place in the table
     std::vector<char> is_known;
     for (const Weight& w : model.weights) {
@@ -214,12 +218,14 @@ RBDYN_INLINE bool Repetition::tell_kinds(const Shape& model, const Shape& next) 
     return true;
 }
 
-RBDYN_INLINE void Repetition::tell_lines(std::ptrdiff_t row) {
+RBDYN_INLINE void Repetition::tell_lines(std::ptrdiff_t row, std::ptrdiff_t end) {
     // backward copies are between slots that are neighbours
     constexpr std::ptrdiff_t line = 64, between = 1024;
     for (std::size_t kind = 0; kind < kinds; ++kind) {
         std::ptrdiff_t next = 0;
         for (const std::ptrdiff_t slot : of_kind_[kind]) {
+            // what chunks share is at hand
+            if (slot >= end) continue;
             const std::ptrdiff_t from = slot - begin_[kind];
             if (from - next > between) next = from;
             for (; next < from + row; next += line) lines_[kind].push_back(next);

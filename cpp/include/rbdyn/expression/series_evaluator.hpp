@@ -4,6 +4,7 @@
 // of what they describe however fast or slow the motion is; powers of two leave every digit unchanged.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -17,6 +18,7 @@
 #include "rbdyn/expression/machine_code.hpp"
 #include "rbdyn/expression/program.hpp"
 #include "rbdyn/expression/schedule.hpp"
+#include "rbdyn/expression/slot_ring.hpp"
 #include "rbdyn/expression/streamed_series.hpp"
 #include "rbdyn/expression/wavefront.hpp"
 #include "rbdyn/series/coefficients.hpp"
@@ -29,8 +31,10 @@ class RepeatedCode;  // repeated_code.hpp
 
 class SeriesEvaluator {
 public:
-    enum class Use : std::uint8_t { any, expansion };
-    /// Room for series of orders 0 .. max_order; `use`: less room for one who calls none but expand() of max_order.
+    enum class Use : std::uint8_t { any, expansion, states };
+    /// Room for series of orders 0 .. max_order; `use`: less room for one who calls none but expand() of max_order, and
+    /// less still where it seldom looks at slots that are neither inputs nor outputs: once it does, there are two
+    /// evaluators.
     SeriesEvaluator(const Program& program, int max_order, Use use = Use::any);
     SeriesEvaluator(const SeriesEvaluator&) = delete;
     SeriesEvaluator& operator=(const SeriesEvaluator&) = delete;
@@ -41,8 +45,11 @@ public:
     void renew();
     std::size_t bytes() const {
         return storage_.size() * sizeof(double) + lanes_.size() * sizeof(lanes_[0]) +
-               places_.size() * sizeof(places_[0]) + (stream_ != nullptr ? stream_->bytes() : 0);
+               places_.size() * sizeof(places_[0]) + (stream_ != nullptr ? stream_->bytes() : 0) +
+               (ring_ != nullptr ? ring_->bytes() : 0) + (all_ != nullptr ? all_->bytes() : 0);
     }
+    /// What is made of its program beside.
+    std::size_t bytes_of_lists() const;
     /// Doubles from one input's coefficients to the next one's.
     int stride() const { return stride_; }
 
@@ -65,6 +72,7 @@ public:
     /// Coefficients 0 .. order of the inputs from their first ones, 0 .. order - 1 of all other slots; `whole`: 0 ..
     /// order of these too.
     void expand(int order, bool whole) {
+        if (is_elsewhere_) return all_->expand(order, whole);
         is_whole_ = whole;
         // where orders run one behind the other the last one has at hand what it would fetch from memory by itself
         const bool is_one_behind = wavefront_ != nullptr && stream_ == nullptr && order == top_;
@@ -78,6 +86,8 @@ public:
     bool has_machine_code() const { return code_ != nullptr || repeated_ != nullptr; }
     /// That of chunks that repeat themselves (repeated_code.hpp).
     bool has_repeated_code() const { return repeated_ != nullptr; }
+    /// Whether slots that are neither inputs nor outputs share places, and none has been looked at.
+    bool has_ring() const { return ring_ != nullptr && all_ == nullptr; }
     /// Of a program that is larger than the caches: it may have room for one use alone.
     bool is_large() const { return is_large_; }
 
@@ -103,12 +113,19 @@ public:
     }
     /// The same for who computed them elsewhere (series_abreast.hpp).
     double* row(int slot_index) {
+        if (ring_ != nullptr) return ring_row(slot_index);
         if (stream_ != nullptr) stream_->give(slot_index, slot(slot_index).forward);
         return slot(slot_index).forward;
     }
-    void set_unit(double unit) { unit_ = unit; }
+    void set_unit(double unit) {
+        unit_ = unit;
+        if (all_ != nullptr) all_->set_unit(unit);
+    }
     /// Whether what is at rest at the zero of a power may stay there; so at first.
-    void let_zeros_stay(bool may) { zeros_stay_ = may; }
+    void let_zeros_stay(bool may) {
+        zeros_stay_ = may;
+        if (all_ != nullptr) all_->let_zeros_stay(may);
+    }
 
 private:
     friend class MachineCode;
@@ -173,16 +190,25 @@ private:
         const void *first, *last;
     };
 
+    /// Where the series of a slot are computed.
     series::View slot(int index);
     std::ptrdiff_t place(int slot_index) const {
+        if (ring_ != nullptr) return ring_->place(slot_index);
         return places_.empty() ? static_cast<std::ptrdiff_t>(slot_index) * stride_
                                : places_[static_cast<std::size_t>(slot_index)];
     }
+    // of slots that share places (slot_ring.hpp)
+    double* ring_row(int slot_index);
+    const double* ring_coefficients(int slot_index) const;
+    /// The evaluator that has all slots, expanded as this one is if it was not yet.
+    SeriesEvaluator& all_slots() const;
+    /// A chunk is done, its orders 0 .. orders - 1.
+    void keep(std::size_t chunk, int orders);
     /// For each of a schedule's series where its lanes are: in the place of those that no chunk reads any more, if
     /// orders run one behind the other. And how many places there are.
     std::pair<std::vector<std::size_t>, std::size_t> lane_places(const Schedule& schedule) const;
     /// Room for all slots; `is_large`: of those alone of which the backward copy is read or written there is one.
-    void make_room(bool is_large, const std::vector<int>& backwards);
+    void make_room(bool is_large, const std::vector<int>& backwards, const Schedule& schedule);
 
     // code in four lanes (series/lanes.hpp)
     using Run = void (*)(SeriesEvaluator&, int first, int last, bool integrates);
@@ -251,9 +277,10 @@ private:
     const Program* program_;
     int top_, stride_;
     Use use_;
-    double unit_ = 1.0;
+    double time_ = 0.0, unit_ = 1.0;
     mutable LargeVector<double> storage_;  // of what is streamed a row is written when it is asked for
     std::vector<std::ptrdiff_t> places_;   // by slot, in the storage of a program that is larger than the caches
+    std::vector<char> is_both_ways_;       // by slot: it has a backward copy
     std::vector<double> scalars_;
     std::vector<int> valuations_;
     std::vector<Block> blocks_;
@@ -285,6 +312,14 @@ private:
     int expansions_ = 0;                      // so far, until there is code
     Run run_ = usual();
     std::unique_ptr<StreamedSeries> stream_;  // instead of all lists, of a program that is larger than the caches
+    // where slots share places
+    std::unique_ptr<const SlotRing> ring_;
+    std::array<double, 2> checks_{};                // of rates' coefficients 0 and top - 1: zero if all are finite
+    mutable std::unique_ptr<SeriesEvaluator> all_;  // once one of them was looked at
+    mutable bool is_all_there_ = false;             // this expansion
+    bool is_elsewhere_ = false;                     // from the next one on all are made there
+    std::vector<double> parameters_;                // for that
+    Program::Rounding rounding_ = Program::Rounding::nearest;
 };
 
 inline void SeriesEvaluator::integrate(int k) {
@@ -293,12 +328,15 @@ inline void SeriesEvaluator::integrate(int k) {
 }
 
 inline bool SeriesEvaluator::is_finite(int k) const {
+    if (ring_ != nullptr && !is_all_there_) return checks_[k > 0 ? 1 : 0] == 0.0;
+    if (ring_ != nullptr) return all_->is_finite(k);
     double check = 0.0;
     for (const Motion& m : motion_) check += 0.0 * m.rate[k];
     return check == 0.0;
 }
 
 inline const double* SeriesEvaluator::coefficients(int slot_index) const {
+    if (ring_ != nullptr) return ring_coefficients(slot_index);
     double* const row = storage_.data() + place(slot_index);
     if (stream_ != nullptr) stream_->give(slot_index, row);
     return row;
@@ -306,10 +344,9 @@ inline const double* SeriesEvaluator::coefficients(int slot_index) const {
 
 inline series::View SeriesEvaluator::slot(int index) {
     double* const start = storage_.data() + place(index);
-    if (places_.empty()) return {start, start + stride_ - 1};
     // a first coefficient is the same from both ends
-    const std::ptrdiff_t length = places_[static_cast<std::size_t>(index) + 1] - place(index);
-    return {start, length > top_ + 1 ? start + length - 1 : start};
+    const bool is_both_ways = is_both_ways_.empty() || is_both_ways_[static_cast<std::size_t>(index)] != 0;
+    return {start, is_both_ways ? start + 2 * top_ + 1 : start};
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM

@@ -40,24 +40,39 @@ RBDYN_INLINE SeriesEvaluator::SeriesEvaluator(const Program& program, int max_or
 
 RBDYN_INLINE SeriesEvaluator::~SeriesEvaluator() = default;
 
+RBDYN_INLINE std::size_t SeriesEvaluator::bytes_of_lists() const {
+    const auto sum = [](const auto&... list) { return (... + (list.size() * sizeof list[0])); };
+    return sum(copies_, sums_, lane_outputs_, linear_, with_sums_, mixed_, steps_, motion_, terms_, lane_series_,
+               lane_weights_, lane_spreads_, lane_products_, lane_sums_, blocks_, first_block_, scalars_) +
+           (all_ != nullptr ? all_->bytes_of_lists() : 0);
+}
+
 RBDYN_INLINE void SeriesEvaluator::go_without_lanes_of_four() {
     run_ = &plain;
     repeated_ = nullptr;
+    if (all_ != nullptr) all_->go_without_lanes_of_four();
 }
 
 RBDYN_INLINE void SeriesEvaluator::use_machine_code(bool is_used) {
     run_ = is_used ? usual() : widest();
     expansions_ = MachineCode::expansions;
     if (!is_used) repeated_ = nullptr;
+    if (all_ != nullptr) all_->use_machine_code(is_used);
 }
 
 RBDYN_INLINE void SeriesEvaluator::renew() {
     std::fill(storage_.begin(), storage_.end(), 0.0);
     run_ = usual();
+    if (all_ != nullptr) all_->renew();
 }
 
 RBDYN_INLINE void SeriesEvaluator::set_parameters(std::span<const double> parameters, Program::Rounding rounding) {
     program_->set_parameters(parameters, scalars_, rounding);
+    if (ring_ != nullptr) {
+        parameters_.assign(parameters.begin(), parameters.end());
+        rounding_ = rounding;
+        if (all_ != nullptr) all_->set_parameters(parameters, rounding);
+    }
     if (stream_ != nullptr) return stream_->set_weights(scalars_);
     if (repeated_ != nullptr) repeated_->set_weights(scalars_);
     const auto weight = [&](const Schedule::Weighted& w) {
@@ -71,7 +86,12 @@ RBDYN_INLINE void SeriesEvaluator::set_parameters(std::span<const double> parame
 }
 
 RBDYN_INLINE void SeriesEvaluator::begin(double t, double unit) {
+    time_ = t;
     unit_ = unit;
+    if (all_ != nullptr) {
+        is_elsewhere_ = is_all_there_ = true;
+        return all_->begin(t, unit);
+    }
     for (int& m : valuations_) m = -1;
     if (program_->uses_time()) {
         const series::View time = slot(program_->time_slot());
@@ -177,6 +197,7 @@ RBDYN_INLINE_LANES void SeriesEvaluator::sweep(int orders) {
     const Block* const blocks = blocks_.data();
     // of inputs
     advance_blocks<Lanes>(blocks, blocks + first_block_.front(), 0);
+    checks_ = {};
     const int count = static_cast<int>(wavefront_->chunks.size());
     for (int from = 0; from < count + orders - 1; from += fronts_at_a_time) {
         Interruption::point();
@@ -186,6 +207,7 @@ RBDYN_INLINE_LANES void SeriesEvaluator::sweep(int orders) {
                 const int first = std::max(lowest, front - count + 1),
                           last = std::min({lowest + orders_at_a_time, orders, front + 1});
                 for (int k = first; k < last; ++k) advance_chunk<Lanes>(static_cast<std::size_t>(front - k), k);
+                if (ring_ != nullptr && last == orders) keep(static_cast<std::size_t>(front - orders + 1), orders);
             }
     }
 }
@@ -514,7 +536,7 @@ RBDYN_INLINE void SeriesEvaluator::resolve() {
         if (!wavefront->chunks.empty()) wavefront_ = std::move(wavefront);
     }
     is_large_ = is_large_ && wavefront_ != nullptr;
-    make_room(wavefront_ != nullptr, backwards);
+    make_room(wavefront_ != nullptr, backwards, schedule);
     if (wavefront_ != nullptr && !wavefront_->is_skewed) {
         stream_ = std::make_unique<StreamedSeries>(*program_, schedule, *wavefront_, top_, backwards);
         for (const Instruction* i : stream_->steps()) steps_.push_back(step(*i));
@@ -545,10 +567,10 @@ RBDYN_INLINE void SeriesEvaluator::resolve() {
         const Schedule::Series& s = schedule.series[i];
         series::LaneValues* const values = lanes_.data() + lane_place[i] * length;
         if (s[0].scalar == Schedule::one && std::count(s.begin(), s.end(), s[0]) == Schedule::lanes) {
-            lane_spreads_.push_back({coefficients(s[0].slot), values});
+            lane_spreads_.push_back({slot(s[0].slot).forward, values});
         } else {
             series::LaneSeries lane{{}, {}, values};
-            for (std::size_t l = 0; l < s.size(); ++l) lane.from[l] = coefficients(s[l].slot);
+            for (std::size_t l = 0; l < s.size(); ++l) lane.from[l] = slot(s[l].slot).forward;
             lane_series_.push_back(lane);
             lane_weights_.push_back(s);
         }
@@ -586,7 +608,7 @@ RBDYN_INLINE void SeriesEvaluator::resolve() {
         for (std::size_t i = stage.combinations.first; i < stage.combinations.last; ++i) {
             const Schedule::Combination& c = schedule.combinations[i];
             const double* sum = reinterpret_cast<const double*>(&lane_sums_[c.sum].sum) + c.first_lane;
-            double* const out = row(c.instruction->out);
+            double* const out = slot(c.instruction->out).forward;
             if (c.lanes == 1 && c.instruction->terms == 0 && c.instruction->weight < 0) {
                 lane_outputs_.push_back({out, sum});
             } else {
@@ -608,10 +630,10 @@ RBDYN_INLINE void SeriesEvaluator::resolve() {
             }
             const ResolvedTerm* const first = add_terms(other);
             if (other.weight < 0)
-                linear_.push_back({row(other.out), first, terms_.data() + terms_.size()});
+                linear_.push_back({slot(other.out).forward, first, terms_.data() + terms_.size()});
             else
                 mixed_.push_back(
-                    {row(other.out), other.weight, first, terms_.data() + terms_.size(), nullptr, nullptr});
+                    {slot(other.out).forward, other.weight, first, terms_.data() + terms_.size(), nullptr, nullptr});
             add_copies(other.out, other.out + 1);
         }
         ends.push_back(counts());
@@ -643,7 +665,7 @@ RBDYN_INLINE std::pair<std::vector<std::size_t>, std::size_t> SeriesEvaluator::l
     const Schedule& schedule) const {
     const std::size_t all = schedule.series.size();
     std::vector<std::size_t> place(all);
-    if (!is_large_ || use_ != Use::expansion) {
+    if (!is_large_ || use_ == Use::any) {
         std::iota(place.begin(), place.end(), std::size_t{0});
         return {std::move(place), all};
     }
@@ -674,15 +696,16 @@ RBDYN_INLINE std::pair<std::vector<std::size_t>, std::size_t> SeriesEvaluator::l
     return {std::move(place), chunks_apart * most};
 }
 
-RBDYN_INLINE void SeriesEvaluator::make_room(bool is_large, const std::vector<int>& backwards) {
+RBDYN_INLINE void SeriesEvaluator::make_room(bool is_large, const std::vector<int>& backwards,
+                                             const Schedule& schedule) {
     const auto slots = static_cast<std::size_t>(program_->slots());
     if (!is_large) {
         storage_.assign(slots * static_cast<std::size_t>(stride_), 0.0);
         return;
     }
-    std::vector<char> is_both_ways(slots, 0);
+    is_both_ways_.assign(slots, 0);
     const auto mark = [&](int slot) {
-        if (slot >= 0) is_both_ways[static_cast<std::size_t>(slot)] = 1;
+        if (slot >= 0) is_both_ways_[static_cast<std::size_t>(slot)] = 1;
     };
     for (const int slot : backwards) mark(slot);
     mark(program_->time_slot());
@@ -692,20 +715,67 @@ RBDYN_INLINE void SeriesEvaluator::make_room(bool is_large, const std::vector<in
         mark(i.out2);
     }
     // inputs lie as far from one another, all of them
-    const auto inputs = is_both_ways.begin() + program_->inputs();
-    if (std::find(is_both_ways.begin(), inputs, 1) != inputs) std::fill(is_both_ways.begin(), inputs, 1);
-    const auto row = [&](std::size_t slot) { return is_both_ways[slot] != 0 ? 2 * (top_ + 1) : top_ + 1; };
+    const auto inputs = is_both_ways_.begin() + program_->inputs();
+    if (std::find(is_both_ways_.begin(), inputs, 1) != inputs) std::fill(is_both_ways_.begin(), inputs, 1);
+    const auto row = [&](std::size_t slot) { return is_both_ways_[slot] != 0 ? 2 * (top_ + 1) : top_ + 1; };
     stride_ = row(0);
+    if (is_large_ && use_ == Use::states && wavefront_->is_skewed) {
+        std::vector<int> rows(slots);
+        for (std::size_t slot = 0; slot < slots; ++slot) rows[slot] = row(slot);
+        ring_ = SlotRing::of(*program_, schedule, *wavefront_, top_,
+                             static_cast<std::size_t>(top_ + sweeps::fronts_at_a_time), rows);
+        if (ring_ != nullptr) return storage_.assign(static_cast<std::size_t>(ring_->size()), 0.0);
+    }
     places_.resize(slots + 1);
     for (std::size_t slot = 0; slot < slots; ++slot) places_[slot + 1] = places_[slot] + row(slot);
     storage_.assign(static_cast<std::size_t>(places_.back()), 0.0);
+}
+
+RBDYN_INLINE void SeriesEvaluator::keep(std::size_t chunk, int orders) {
+    const Schedule::Range& inputs = wavefront_->chunks[chunk].inputs;
+    for (std::size_t i = inputs.first; i < inputs.last; ++i) {
+        checks_[0] += 0.0 * motion_[i].rate[0];
+        checks_[1] += 0.0 * motion_[i].rate[top_ - 1];
+    }
+    for (const auto& [from, to] : ring_->copies(chunk))
+        std::copy_n(storage_.data() + from, orders, storage_.data() + to);
+}
+
+RBDYN_INLINE SeriesEvaluator& SeriesEvaluator::all_slots() const {
+    if (all_ == nullptr) {
+        all_ = std::make_unique<SeriesEvaluator>(*program_, top_, Use::expansion);
+        all_->run_ = run_;
+        all_->set_parameters(parameters_, rounding_);
+    }
+    if (!is_all_there_) {
+        is_all_there_ = true;
+        all_->let_zeros_stay(zeros_stay_);
+        all_->begin(time_, unit_);
+        for (int i = 0; i < program_->inputs(); ++i)
+            all_->set_input(i, 0, storage_[static_cast<std::size_t>(ring_->kept(i))]);
+        all_->expand(top_, is_whole_);
+    }
+    return *all_;
+}
+
+RBDYN_INLINE const double* SeriesEvaluator::ring_coefficients(int slot_index) const {
+    const std::ptrdiff_t kept = ring_->kept(slot_index);
+    if (!is_elsewhere_ && kept >= 0) return storage_.data() + kept;
+    return all_slots().coefficients(slot_index);
+}
+
+RBDYN_INLINE double* SeriesEvaluator::ring_row(int slot_index) {
+    const std::ptrdiff_t kept = ring_->kept(slot_index);
+    if (!is_elsewhere_ && kept >= 0) return storage_.data() + kept;
+    return all_slots().row(slot_index);
 }
 
 RBDYN_INLINE void SeriesEvaluator::add_motion(const std::vector<int>& backwards) {
     for (int i = 0; i < std::min(program_->inputs(), program_->outputs()); ++i) {
         const int input = wavefront_ == nullptr ? i : wavefront_->inputs[static_cast<std::size_t>(i)];
         const bool is_copied = std::binary_search(backwards.begin(), backwards.end(), input);
-        motion_.push_back({row(input), output(input), is_copied ? slot(input).last : nullptr});
+        motion_.push_back(
+            {slot(input).forward, slot(program_->output(input)).forward, is_copied ? slot(input).last : nullptr});
     }
 }
 

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "rbdyn/expression/operands.hpp"
 #include "rbdyn/expression/program.hpp"
 #include "rbdyn/expression/schedule.hpp"
 
@@ -17,32 +18,6 @@ namespace rbdyn::inline RBDYN_FORM {
 namespace wavefronts {
 
 inline std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-/// Inputs whose derivatives are outputs.
-inline int moving(const Program& program) { return std::min(program.inputs(), program.outputs()); }
-
-/// Calls take(slot) for all that an instruction reads.
-template <class Take>
-void reads(const Program& program, const Instruction& i, const Take& take) {
-    for (const int slot : {i.a, i.b, i.c})
-        if (slot >= 0) take(slot);
-    for (int t = 0; t < i.terms; ++t) take(program.terms(i)[t].slot);
-    for (int p = 0; p < i.products; ++p) {
-        take(program.products(i)[p].a);
-        take(program.products(i)[p].b);
-    }
-    if (i.code != Code::call) return;
-    for (const int slot : program.calls()[at(i.extra)].arguments) take(slot);
-}
-
-/// The same for all that it writes.
-template <class Take>
-void writes(const Program& program, const Instruction& i, const Take& take) {
-    for (const int slot : {i.out, i.out2})
-        if (slot >= 0) take(slot);
-    if (i.code != Code::call) return;
-    for (const int slot : program.calls()[at(i.extra)].results) take(slot);
-}
 
 }  // namespace wavefronts
 
@@ -69,11 +44,11 @@ RBDYN_INLINE std::vector<Wavefront::Part> Wavefront::parts_of(const Program& pro
     std::vector<std::uint32_t> of_slot(at(program.slots()), 0), of_series(schedule.series.size(), 0);
     const auto needed = [&](const Instruction& i) {
         auto key = static_cast<std::uint32_t>(&i - program.instructions().data());
-        wavefronts::reads(program, i, [&](int slot) { key = std::max(key, of_slot[at(slot)]); });
+        operands::reads(program, i, [&](int slot) { key = std::max(key, of_slot[at(slot)]); });
         return key;
     };
     const auto give = [&](const Instruction& i, std::uint32_t key) {
-        wavefronts::writes(program, i, [&](int slot) { of_slot[at(slot)] = key; });
+        operands::writes(program, i, [&](int slot) { of_slot[at(slot)] = key; });
     };
     for (std::uint32_t n = 0; n < schedule.stages.size(); ++n) {
         const Schedule::Stage& stage = schedule.stages[n];
@@ -99,10 +74,10 @@ RBDYN_INLINE std::vector<Wavefront::Part> Wavefront::parts_of(const Program& pro
         }
     }
     const auto last = static_cast<std::uint32_t>(schedule.stages.size());
-    for (int i = 0; i < wavefronts::moving(program); ++i) {
+    for (int i = 0; i < operands::moving(program); ++i) {
         // a rate that is an input itself is where the rate of that one is
         int rate = program.output(i);
-        if (rate < wavefronts::moving(program)) rate = program.output(rate);
+        if (rate < operands::moving(program)) rate = program.output(rate);
         parts.push_back({Part::Kind::input, last, static_cast<std::uint32_t>(i), of_slot[at(rate)]});
     }
     return parts;
@@ -140,7 +115,7 @@ RBDYN_INLINE std::size_t Wavefront::period(const Schedule& schedule, const std::
 RBDYN_INLINE std::size_t Wavefront::reach(const Program& program, const Schedule& schedule,
                                           const std::vector<Part>& row) {
     using wavefronts::at;
-    std::vector<std::size_t> made(at(wavefronts::moving(program)), 0);
+    std::vector<std::size_t> made(at(operands::moving(program)), 0);
     for (std::size_t place = 0; place < row.size(); ++place)
         if (row[place].kind == Part::Kind::input) made[row[place].index] = place;
     std::size_t most = 0;
@@ -150,11 +125,11 @@ RBDYN_INLINE std::size_t Wavefront::reach(const Program& program, const Schedule
             if (at(slot) < made.size() && made[at(slot)] > place) most = std::max(most, made[at(slot)] - place);
         };
         if (part.kind == Part::Kind::input) read(program.output(static_cast<int>(part.index)));
-        if (part.kind == Part::Kind::other) wavefronts::reads(program, *schedule.others[part.index], read);
+        if (part.kind == Part::Kind::other) operands::reads(program, *schedule.others[part.index], read);
         if (part.kind != Part::Kind::sum) continue;
         const Schedule::Range& combinations = schedule.parts[part.index].combinations;
         for (std::size_t c = combinations.first; c < combinations.last; ++c)
-            wavefronts::reads(program, *schedule.combinations[c].instruction, read);
+            operands::reads(program, *schedule.combinations[c].instruction, read);
     }
     return most;
 }

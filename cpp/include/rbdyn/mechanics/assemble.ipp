@@ -188,7 +188,7 @@ RBDYN_INLINE double Scene::assemble(const std::vector<BodyHandle>& keep) {
     const auto last = wide();
     double moved = 0.0;
     for (int i = 0; i < tree.size(); ++i)
-        mechanics::assembling::put(tree, i, last, x, bodies_[static_cast<std::size_t>(i)]);
+        mechanics::assembling::put(tree, i, last, x, bodies_.change()[static_cast<std::size_t>(i)]);
     for (int k = 0; k < tree.positions() - static_cast<int>(tree.feet().size()); ++k)
         moved = std::max(
             moved, std::abs(static_cast<double>(x[static_cast<std::size_t>(k)] - before[static_cast<std::size_t>(k)])));

@@ -135,10 +135,10 @@ RBDYN_INLINE Scene Scene::without(const std::vector<Removable>& parts) const {
             taken = acting::nothing_of(taken);
         } else if (const CouplingHandle* coupling = std::get_if<CouplingHandle>(&part)) {
             require(
-                coupling->index >= 0 && coupling->index < static_cast<int>(connections_.size()), "without", "coupling",
+                coupling->index >= 0 && coupling->index < static_cast<int>(connections().size()), "without", "coupling",
                 coupling->index,
-                "a handle comes from connect() of the same scene, which has " + std::to_string(connections_.size()));
-            Coupling& taken = result.connections_[static_cast<std::size_t>(coupling->index)].coupling;
+                "a handle comes from connect() of the same scene, which has " + std::to_string(connections().size()));
+            Coupling& taken = result.connections_.change()[static_cast<std::size_t>(coupling->index)].coupling;
             taken = couplings::nothing_of(taken);
         } else if (const ContactHandle* contact = std::get_if<ContactHandle>(&part)) {
             require(contact->index >= 0 && contact->index < static_cast<int>(contacts_.size()), "without", "contact",
@@ -164,7 +164,7 @@ RBDYN_INLINE Scene Scene::without(const std::vector<Removable>& parts) const {
         if (is_gone("spring")) s.stiffness = 0.0;
         if (is_gone("damper")) s.damping = 0.0;
     };
-    for (Connection& c : result.connections_)
+    for (Connection& c : result.connections_.change())
         if (Spring* spring = std::get_if<Spring>(&c.coupling)) {
             take_spring(*spring);
         } else {
@@ -179,7 +179,7 @@ RBDYN_INLINE Scene Scene::without(const std::vector<Removable>& parts) const {
                                                               : "user force"))
             l.load = acting::nothing_of(l.load);
     if (is_gone("drive") || is_gone("moving rail") || is_gone("dynamic friction") || is_gone("static friction"))
-        for (Body& b : result.bodies_) {
+        for (Body& b : result.bodies_.change()) {
             if (b.rail() != nullptr)
                 b.joint = without(*b.rail(), b.name, gone);
             else if (Revolute* hinge = std::get_if<Revolute>(&b.joint))
@@ -213,7 +213,7 @@ RBDYN_INLINE Rail Scene::without(const Rail& rail, const std::string& name, cons
 RBDYN_INLINE void Scene::hold_attitudes() {
     std::vector<bool> held;
     std::vector<Quaternion> attitudes;
-    for (Body& b : bodies_) {
+    for (Body& b : bodies_.change()) {
         held.push_back(acting::turns(b));
         attitudes.push_back(b.attitude.quaternion());
         if (!held.back()) continue;
@@ -236,11 +236,11 @@ RBDYN_INLINE void Scene::hold_attitudes() {
         const Force* force = std::get_if<Force>(&l.load);
         if (force == nullptr || force->frame() == Frame::world) continue;
         if (!force->is_constant())
-            throw InvalidInput("without: a force that varies in the axes of " + bodies_[body].name +
+            throw InvalidInput("without: a force that varies in the axes of " + bodies()[body].name +
                                " is not known without its rotation; give it in world axes, or take it away too");
         l.load = Force(to_world<double>(attitudes[body], force->constant()));
     }
-    for (Connection& c : connections_) {
+    for (Connection& c : connections_.change()) {
         for (End* end : {&c.a, &c.b})
             if (const int body = body_of(*end); body >= 0 && held[static_cast<std::size_t>(body)])
                 *end = BodyHandle{body};

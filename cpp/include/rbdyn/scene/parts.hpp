@@ -43,7 +43,14 @@ private:
 
     template <class T>
     void put(std::vector<Place>& places, int part, std::vector<T> Scene::*things, T thing) {
-        std::vector<T>& all = parts[at(part)].scene.*things;
+        put(places, part, parts[at(part)].scene.*things, std::move(thing));
+    }
+    template <class T>
+    void put(std::vector<Place>& places, int part, Shared<std::vector<T>> Scene::*things, T thing) {
+        put(places, part, (parts[at(part)].scene.*things).change(), std::move(thing));
+    }
+    template <class T>
+    static void put(std::vector<Place>& places, int part, std::vector<T>& all, T thing) {
         places.push_back({part, static_cast<int>(all.size())});
         all.push_back(std::move(thing));
     }

@@ -33,7 +33,7 @@ RBDYN_INLINE SceneParts::SceneParts(const Scene& scene) {
         Part& part = parts[at(bodies.back().part)];
         bodies.back().index = static_cast<int>(part.bodies.size());
         part.bodies.push_back(i);
-        Scene::Body& added = part.scene.bodies_.emplace_back(scene.bodies_[at(i)]);
+        Scene::Body& added = part.scene.bodies_.change().emplace_back(scene.bodies()[at(i)]);
         if (added.parent >= 0) added.parent = bodies[at(added.parent)].index;
     }
     for (Part& part : parts) part.scene.gravity_ = scene.gravity_;
@@ -47,7 +47,7 @@ RBDYN_INLINE SceneParts::SceneParts(const Scene& scene) {
             body->index = bodies[at(body->index)].index;
         if (BodyPoint* point = std::get_if<BodyPoint>(&end)) point->body = bodies[at(point->body)].index;
     };
-    for (Scene::Connection c : scene.connections_) {
+    for (Scene::Connection c : scene.connections()) {
         const int a = part_of(c.a), b = part_of(c.b);
         if (a >= 0 && b >= 0 && a != b) {
             couplings.emplace_back();

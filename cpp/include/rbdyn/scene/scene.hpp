@@ -11,6 +11,7 @@
 
 #include "rbdyn/basics/double_double.hpp"
 #include "rbdyn/basics/form.hpp"
+#include "rbdyn/basics/shared.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/body/particle.hpp"
 #include "rbdyn/body/rigid_body.hpp"
@@ -157,11 +158,11 @@ public:
 
     bool operator==(const Scene&) const = default;
 
-    const std::vector<Body>& bodies() const { return bodies_; }
+    const std::vector<Body>& bodies() const { return *bodies_; }
     /// The body of a name. Throws InvalidInput, with the names there are, for any other.
     BodyHandle body(const std::string& name) const;
     const std::vector<AppliedLoad>& loads() const { return loads_; }
-    const std::vector<Connection>& connections() const { return connections_; }
+    const std::vector<Connection>& connections() const { return *connections_; }
     const std::vector<Held>& constraints() const { return constraints_; }
     const std::vector<Touch>& contacts() const { return contacts_; }
     const std::vector<Watch>& watches() const { return watches_; }
@@ -204,10 +205,11 @@ private:
     std::string named(std::string name, const std::string& kind) const;
 
     Vector3 gravity_ = Vector3::Zero();
-    std::vector<Body> bodies_;
-    std::set<std::string> body_names_;  // of those that were added
+    // of many bodies copies are made by each run
+    Shared<std::vector<Body>> bodies_;
+    Shared<std::set<std::string>> body_names_;  // of those that were added
     std::vector<AppliedLoad> loads_;
-    std::vector<Connection> connections_;
+    Shared<std::vector<Connection>> connections_;
     std::vector<Held> constraints_;
     std::vector<Touch> contacts_;
     std::vector<Watch> watches_;

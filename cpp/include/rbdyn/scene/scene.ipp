@@ -142,7 +142,7 @@ RBDYN_INLINE BodyHandle Scene::add(const RigidBody& body, const Fixed& joint, co
 
 RBDYN_INLINE void Scene::replace(BodyHandle body, const Start& start) {
     require_body(body, "replace");
-    Body& b = bodies_[static_cast<std::size_t>(body.index)];
+    Body& b = bodies_.change()[static_cast<std::size_t>(body.index)];
     const bool is_rigid = b.rigid() != nullptr;
     Started& kept = b;
     kept = std::visit(
@@ -168,15 +168,15 @@ RBDYN_INLINE void Scene::replace(BodyHandle body, const Start& start) {
 
 RBDYN_INLINE Start Scene::start(BodyHandle body) const {
     require_body(body, "start");
-    const Body& b = bodies_[static_cast<std::size_t>(body.index)];
+    const Body& b = bodies()[static_cast<std::size_t>(body.index)];
     return starts::words(b.joint, b.rigid() != nullptr, b);
 }
 
 RBDYN_INLINE BodyHandle Scene::body(const std::string& name) const {
     std::string names;
-    for (std::size_t i = 0; i < bodies_.size(); ++i) {
-        if (bodies_[i].name == name) return {static_cast<int>(i)};
-        names += (i == 0 ? "" : ", ") + ("\"" + bodies_[i].name + "\"");
+    for (std::size_t i = 0; i < bodies().size(); ++i) {
+        if (bodies()[i].name == name) return {static_cast<int>(i)};
+        names += (i == 0 ? "" : ", ") + ("\"" + bodies()[i].name + "\"");
     }
     throw InvalidInput("Scene: there is no body named \"" + name + "\"; " +
                        (names.empty() ? "it has no bodies: add() some" : "there are " + names));
@@ -186,7 +186,7 @@ RBDYN_INLINE void Scene::start_turning(BodyHandle body, const Attitude& attitude
                                        const Vector3Of<DoubleDouble>& angular_velocity,
                                        const std::optional<Vector3>& angular_velocity_world) {
     require_body(body, "start_turning");
-    Body& b = bodies_[static_cast<std::size_t>(body.index)];
+    Body& b = bodies_.change()[static_cast<std::size_t>(body.index)];
     b.attitude = attitude;
     b.angular_velocity = angular_velocity;
     b.angular_velocity_world = angular_velocity_world;
@@ -195,13 +195,13 @@ RBDYN_INLINE void Scene::start_turning(BodyHandle body, const Attitude& attitude
 
 RBDYN_INLINE void Scene::start_beyond(BodyHandle body, double rest) {
     require_body(body, "start_beyond");
-    bodies_[static_cast<std::size_t>(body.index)].parameter_rest = rest;
+    bodies_.change()[static_cast<std::size_t>(body.index)].parameter_rest = rest;
     plan_.start_elsewhere();
 }
 
 RBDYN_INLINE LoadHandle Scene::apply(Load load, BodyHandle body, std::optional<Vector3> at) {
     require_body(body, "apply");
-    require_fitting(load, bodies_[static_cast<std::size_t>(body.index)], at);
+    require_fitting(load, bodies()[static_cast<std::size_t>(body.index)], at);
     if (const Drag* drag = std::get_if<Drag>(&load)) drag->validate();
     if (const Lorentz* lorentz = std::get_if<Lorentz>(&load)) lorentz->validate();
     if (const TorsionSpring* spring = std::get_if<TorsionSpring>(&load)) spring->validate();
@@ -227,9 +227,9 @@ RBDYN_INLINE CouplingHandle Scene::connect(Coupling coupling, End a, End b) {
                     (std::holds_alternative<Vector3>(*end)
                          ? "a point of the world, which has no mass; connect a Central to it"
                          : "a point of a body; give the body's handle"));
-    connections_.push_back({std::move(coupling), std::move(a), std::move(b)});
+    connections_.change().push_back({std::move(coupling), std::move(a), std::move(b)});
     plan_.forget();
-    return {static_cast<int>(connections_.size()) - 1};
+    return {static_cast<int>(connections().size()) - 1};
 }
 
 RBDYN_INLINE ConstraintHandle Scene::constrain(Constraint constraint, End a, std::optional<End> b, std::string name) {
@@ -247,10 +247,10 @@ RBDYN_INLINE ConstraintHandle Scene::constrain(Constraint constraint, End a, std
             "constrain: a is a point of the world; what is held is a point of a body, and the world is "
             "b");
     if (b && body_of(*b) == body_of(a))
-        throw InvalidInput("constrain: both ends are on " + bodies_[static_cast<std::size_t>(body_of(a))].name +
+        throw InvalidInput("constrain: both ends are on " + bodies()[static_cast<std::size_t>(body_of(a))].name +
                            "; a constraint joins two bodies, or one and the world");
     const auto turns = [&](const End& end) {
-        return body_of(end) < 0 || bodies_[static_cast<std::size_t>(body_of(end))].rigid() != nullptr;
+        return body_of(end) < 0 || bodies()[static_cast<std::size_t>(body_of(end))].rigid() != nullptr;
     };
     const bool needs_axes = std::holds_alternative<Weld>(constraint) || std::holds_alternative<Hinge>(constraint) ||
                             std::holds_alternative<Universal>(constraint);
@@ -270,7 +270,7 @@ RBDYN_INLINE ContactHandle Scene::contact(ContactPart a, ContactSurface b, Conta
     require_body(BodyHandle{first}, "contact");
     const bool is_of_body = std::holds_alternative<BodyPlane>(b) || std::holds_alternative<BodySphere>(b);
     if (is_of_body) require_body(BodyHandle{second}, "contact");
-    const Body& body = bodies_[static_cast<std::size_t>(first)];
+    const Body& body = bodies()[static_cast<std::size_t>(first)];
     if (first == second)
         throw InvalidInput("contact: both sides are on " + body.name +
                            "; a contact is between two bodies, or one and "
@@ -311,8 +311,8 @@ RBDYN_INLINE ContactHandle Scene::contact(ContactPart a, ContactSurface b, Conta
                on_plane = std::holds_alternative<Plane>(b) || std::holds_alternative<BodyPlane>(b);
     if (is_round && !on_plane)
         throw InvalidInput("contact: a disc or an ellipsoid touches a Plane; a sphere or a point a Sphere too");
-    if (std::holds_alternative<BodyPlane>(b) && bodies_[static_cast<std::size_t>(second)].rigid() == nullptr)
-        throw InvalidInput("contact: " + bodies_[static_cast<std::size_t>(second)].name +
+    if (std::holds_alternative<BodyPlane>(b) && bodies()[static_cast<std::size_t>(second)].rigid() == nullptr)
+        throw InvalidInput("contact: " + bodies()[static_cast<std::size_t>(second)].name +
                            " is a particle, which has no plane");
     require_new_name(name, "contact");
     std::size_t number = contacts_.size();
@@ -353,7 +353,16 @@ RBDYN_INLINE void Scene::integral(std::string name, WatchFunction function) {
 RBDYN_INLINE Scene Scene::frozen() const {
     Scene result = *this;
     result.plan_.forget();
-    for (Body& b : result.bodies_) {
+    // what has none is shared with all copies
+    const auto may_vary = [](const Body& b) {
+        const Particle* particle = std::get_if<Particle>(&b.body);
+        if (particle != nullptr && particle->mass.varies()) return true;
+        if (const Revolute* hinge = std::get_if<Revolute>(&b.joint))
+            return hinge->motion || hinge->friction || hinge->pin_radius.varies();
+        if (const Prismatic* slide = std::get_if<Prismatic>(&b.joint)) return slide->motion || slide->friction;
+        return b.rail() != nullptr;
+    };
+    const auto freeze = [](Body& b) {
         if (const Particle* particle = std::get_if<Particle>(&b.body)) b.body = particle->frozen();
         if (const Rail* rail = b.rail()) b.joint = rail->frozen();
         if (Revolute* hinge = std::get_if<Revolute>(&b.joint); hinge != nullptr && hinge->motion)
@@ -366,10 +375,17 @@ RBDYN_INLINE Scene Scene::frozen() const {
         }
         if (Prismatic* slide = std::get_if<Prismatic>(&b.joint); slide != nullptr && slide->friction)
             slide->friction = slide->friction->frozen();
-    }
+    };
+    if (std::ranges::any_of(bodies(), may_vary)) std::ranges::for_each(result.bodies_.change(), freeze);
     for (AppliedLoad& l : result.loads_) l.load = rbdyn::frozen(l.load);
-    for (Connection& c : result.connections_)
-        c.coupling = std::visit([](const auto& coupling) -> Coupling { return coupling.frozen(); }, c.coupling);
+    const auto may_couple_otherwise = [](const Connection& c) {
+        const Spring* spring = std::get_if<Spring>(&c.coupling);
+        return spring == nullptr || spring->stiffness.varies() || spring->damping.varies() ||
+               spring->rest_length.varies();
+    };
+    if (std::ranges::any_of(connections(), may_couple_otherwise))
+        for (Connection& c : result.connections_.change())
+            c.coupling = std::visit([](const auto& coupling) -> Coupling { return coupling.frozen(); }, c.coupling);
     for (Touch& c : result.contacts_)
         if (c.options.friction) c.options.friction = c.options.friction->frozen();
     for (Watch& w : result.watches_) {
@@ -384,30 +400,30 @@ RBDYN_INLINE Scene Scene::frozen() const {
 RBDYN_INLINE BodyHandle Scene::add(const Started& start, std::variant<Particle, RigidBody> body, Joint joint,
                                    BodyHandle parent, const std::string& name) {
     const int joined = parent_of(parent, name);
-    body_names_.insert(name);
-    bodies_.push_back({start, std::move(body), std::move(joint), joined, name});
+    body_names_.change().insert(name);
+    bodies_.change().push_back({start, std::move(body), std::move(joint), joined, name});
     plan_.forget();
-    return {static_cast<int>(bodies_.size()) - 1};
+    return {static_cast<int>(bodies().size()) - 1};
 }
 
 RBDYN_INLINE int Scene::parent_of(BodyHandle parent, const std::string& name) const {
     if (parent.index == -1) return -1;
-    require(parent.index >= 0 && parent.index < static_cast<int>(bodies_.size()), name, "parent", parent.index,
-            "a parent is a body that this scene has already, of " + std::to_string(bodies_.size()) + "; or none");
-    if (bodies_[static_cast<std::size_t>(parent.index)].rigid() == nullptr)
-        throw InvalidInput(name + ": its parent " + bodies_[static_cast<std::size_t>(parent.index)].name +
+    require(parent.index >= 0 && parent.index < static_cast<int>(bodies().size()), name, "parent", parent.index,
+            "a parent is a body that this scene has already, of " + std::to_string(bodies().size()) + "; or none");
+    if (bodies()[static_cast<std::size_t>(parent.index)].rigid() == nullptr)
+        throw InvalidInput(name + ": its parent " + bodies()[static_cast<std::size_t>(parent.index)].name +
                            " is a particle, which has no axes to hold a joint; a RigidBody can be a parent");
     return parent.index;
 }
 
 RBDYN_INLINE bool Scene::is_taken(const std::string& name) const {
-    return body_names_.contains(name) || has(watches_, name) || has(constraints_, name) || has(contacts_, name);
+    return body_names_->contains(name) || has(watches_, name) || has(constraints_, name) || has(contacts_, name);
 }
 
 RBDYN_INLINE std::string Scene::named(std::string name, const std::string& kind) const {
     require_new_name(name, "add");
     if (!name.empty()) return name;
-    std::size_t number = bodies_.size();
+    std::size_t number = bodies().size();
     do name = kind + " " + std::to_string(++number);
     while (is_taken(name));
     return name;

@@ -32,18 +32,18 @@ RBDYN_INLINE void Scene::require_observable(const Observable& o, const std::stri
     const auto quantity = static_cast<int>(o.quantity), last = static_cast<int>(Quantity::coupling_force);
     require(quantity > 0 && quantity <= last, user, "quantity", quantity, "it is one of those that have a name");
     const bool of_coupling = is_of_coupling(o.quantity);
-    const auto count = static_cast<int>(of_coupling ? connections_.size() : bodies_.size());
+    const auto count = static_cast<int>(of_coupling ? connections().size() : bodies().size());
     require(o.subject >= 0 && o.subject < count, user, "handle", o.subject,
             "it asks for what this scene has, by handles that add() or connect() returned");
     if (const int count_of = components_of(o.quantity); o.component < 0 || o.component >= count_of)
         refuse(user, "component", o.component,
                "what it asks for of " +
                    (of_coupling ? "coupling " + std::to_string(o.subject + 1)
-                                : bodies_[static_cast<std::size_t>(o.subject)].name) +
+                                : bodies()[static_cast<std::size_t>(o.subject)].name) +
                    (count_of == 1 ? " is one number, component 0"
                                   : " has components 0 to " + std::to_string(count_of - 1)));
     if (of_coupling) return;
-    const Body& b = bodies_[static_cast<std::size_t>(o.subject)];
+    const Body& b = bodies()[static_cast<std::size_t>(o.subject)];
     const auto refuse = [&](const std::string& why) { throw InvalidInput(user + ": " + b.name + why); };
     const bool is_free = std::holds_alternative<Free>(b.joint);
     switch (o.quantity) {
@@ -87,7 +87,7 @@ RBDYN_INLINE void Scene::require_end(const End& end, const std::string& verb) co
     if (body_of(end) >= 0 || !std::holds_alternative<Vector3>(end)) require_body(BodyHandle{body_of(end)}, verb);
     if (const BodyPoint* point = std::get_if<BodyPoint>(&end)) {
         joints::require_finite(verb, "a point of a body", point->point);
-        const Body& body = bodies_[static_cast<std::size_t>(point->body)];
+        const Body& body = bodies()[static_cast<std::size_t>(point->body)];
         if (body.rigid() == nullptr)
             throw InvalidInput(verb + ": a point of " + body.name +
                                " is given, which is a particle and has no other; give its handle");
@@ -161,16 +161,16 @@ RBDYN_INLINE void Scene::require_observables(const WatchFunction& function, cons
 }
 
 RBDYN_INLINE void Scene::require_body(BodyHandle body, const std::string& verb) const {
-    require(body.index >= 0 && body.index < static_cast<int>(bodies_.size()), verb, "body", body.index,
-            "a handle comes from add() of the same scene, which has " + std::to_string(bodies_.size()) + " bodies");
+    require(body.index >= 0 && body.index < static_cast<int>(bodies().size()), verb, "body", body.index,
+            "a handle comes from add() of the same scene, which has " + std::to_string(bodies().size()) + " bodies");
 }
 
 RBDYN_INLINE void Scene::require_new_name(const std::string& name, const std::string& verb) const {
     if (name.empty() || !is_taken(name)) return;
-    const std::string kind = body_names_.contains(name) ? "body"
-                             : has(watches_, name)      ? "watch"
-                             : has(constraints_, name)  ? "constraint"
-                                                        : "contact";
+    const std::string kind = body_names_->contains(name) ? "body"
+                             : has(watches_, name)       ? "watch"
+                             : has(constraints_, name)   ? "constraint"
+                                                         : "contact";
     throw InvalidInput(verb + ": there is a " + kind + " named \"" + name + "\" already; names differ");
 }
 
