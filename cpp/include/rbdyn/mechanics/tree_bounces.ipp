@@ -96,13 +96,11 @@ RBDYN_INLINE std::vector<int> TreeModel::collapsing(const Mode& before, const Mo
     auto all = moving(t, y);
     std::vector<double> u = rates(all);
     const std::vector<double> gaps = fine_gaps(t, x, rest);
-    // what touches at this very instant; a particle in the corner of two planes has no size but the way it goes in it
+    // what touches at this very instant
     double first = 0.0;
     std::vector<int> near;
     for (int k = 0; k < contacts(); ++k)
-        if (!conditions_->contacts()[at(k)].is_gone &&
-            gaps[at(k)] <= std::max(1e-13 * size_of(k, all), 4.0 * epsilon * std::abs(t) * speed_of(k, all)))
-            near.push_back(k);
+        if (!conditions_->contacts()[at(k)].is_gone && gaps[at(k)] <= 1e-13 * size_of(k, all)) near.push_back(k);
     for (const int k : near) first = std::max(first, -u[at(k)]);
     std::erase_if(near, [&](int k) {
         return after.slip[at(k)] == flies && gaps[at(k)] > 16.0 * epsilon * (size_of(k, all) + first * std::abs(t));
