@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -92,7 +93,8 @@ RBDYN_INLINE TreeModel::Touched TreeModel::touched(const Mode& before, double t,
         // in an impact the dynamic coefficient counts alone
         const bool resists = c.is_rough() && !(strikes && c.mu_dynamic.is_zero());
         if (c.is_rough() && !strikes) {
-            const bool slid = mechanics::contact_state::slides(before.slip[at(k)]);
+            const bool slid = mechanics::contact_state::slides(before.slip[at(k)]) ||
+                              mechanics::contact_state::is_given(before.slip[at(k)]);
             const double speed = one.slip.norm(),
                          last = slid ? mechanics::ContactMemory::of(before.memory, k).least : 0.0;
             // what never slips has rounding of a speed, but where it had to
@@ -137,7 +139,7 @@ RBDYN_INLINE void TreeModel::settle_rough(const Mode& before, Mode& mode, double
     // what has slid for a while, however slowly, has stopped
     for (const int k : fired.stopping)
         if (const auto memory = mechanics::ContactMemory::of(before.memory, k);
-            before.slip[at(k)] == mechanics::contact_state::starts && memory.at_edge &&
+            mechanics::contact_state::is_start(before.slip[at(k)]) && memory.at_edge &&
             t - memory.since <= 64.0 * epsilon * std::abs(t)) {
             mode.impossible = conditions_->contacts()[at(k)].name +
                               " breaks away in space at a friction that does not fall, in a direction that turns as it "
@@ -146,6 +148,15 @@ RBDYN_INLINE void TreeModel::settle_rough(const Mode& before, Mode& mode, double
         }
     const bool is_small = fired.landing.empty() && fired.doubtful.empty() && fired.breaking.empty() &&
                           !(fired.stopping.empty() && fired.turning.empty());
+    const auto goes_straight = [&](signed char state) {
+        return state == mechanics::contact_state::straight || state == rests;
+    };
+    const auto lightest_at = [&](int k) {
+        double mass = std::numeric_limits<double>::infinity();
+        for (const int body : {conditions_->contacts()[at(k)].a.body, conditions_->contacts()[at(k)].b.body})
+            if (body >= 0) mass = std::min(mass, static_cast<double>(tree_->node(body).mass));
+        return mass > 0.0 ? mass : std::numeric_limits<double>::infinity();
+    };
     const auto is_turning = [&](int k) {
         return mechanics::contact_state::follows_slip(mode.slip[at(k)]) &&
                std::find(fired.stopping.begin(), fired.stopping.end(), k) != fired.stopping.end();
@@ -167,22 +178,31 @@ RBDYN_INLINE void TreeModel::settle_rough(const Mode& before, Mode& mode, double
                 };
                 memory.least =
                     std::max(memory.least, 8.0 * epsilon * std::abs(t) * std::hypot(along(first), along(second)));
+                // what moves straight is moved off by no more than the rounding of what acts across it
+                const Vector3 aside = memory.axis;
+                if (list == &fired.turning && goes_straight(mode.slip[at(k)])) {
+                    const auto [sum, size] = acceleration_along(touching.row(aside, Vector3(Vector3::Zero())), state);
+                    if (std::abs(sum) <= 1e-14 * size + 64.0 * epsilon * forces_at(k, state) / lightest_at(k)) {
+                        memory.least = std::max(memory.least, 2.0 * std::abs(slip.dot(aside)));
+                        memory.put(mode.memory, k);
+                        continue;
+                    }
+                }
                 const bool was_turning = mechanics::contact_state::follows_slip(mode.slip[at(k)]) ||
-                                         mode.slip[at(k)] == mechanics::contact_state::curves,
+                                         mechanics::contact_state::is_curved(mode.slip[at(k)]),
                            is_least = was_turning && (list == &fired.stopping || !(slip.norm() > 1.5 * memory.least));
                 if (is_least) memory.least = std::max(memory.least, slip.norm());
                 // where nothing is left of it the last direction is all there is, and of what starts the slip so far is
                 // rounding beside its first acceleration
-                const bool starts = mode.slip[at(k)] == mechanics::contact_state::starts;
+                const bool starts = mechanics::contact_state::is_start(mode.slip[at(k)]);
                 if (!starts && slip.norm() > 1e-3 * memory.least)
                     memory.axis = touching.normal.cross(slip).normalized();
                 memory.put(mode.memory, k);
-                if (mechanics::contact_state::is_given(mode.slip[at(k)]))
-                    mode.slip[at(k)] = is_least ? rests : mechanics::contact_state::veers;
-                else
-                    mode.slip[at(k)] = starts     ? mechanics::contact_state::straight
-                                       : is_least ? mechanics::contact_state::brief
-                                                  : mechanics::contact_state::turning;
+                const signed char next = starts     ? mechanics::contact_state::straight
+                                         : is_least ? mechanics::contact_state::brief
+                                                    : mechanics::contact_state::turning;
+                mode.slip[at(k)] =
+                    mechanics::contact_state::is_given(mode.slip[at(k)]) ? mechanics::contact_state::given(next) : next;
             }
         choose(mode, t, x, {});
         return;
@@ -200,19 +220,25 @@ RBDYN_INLINE void TreeModel::settle_rough(const Mode& before, Mode& mode, double
     for (std::size_t turn = 0; turn <= candidates.size(); ++turn) {
         settle_breaking(before, mode, t, x, candidates, fired, breaking);
         if (!mode.impossible.empty()) return;
-        if (shares_load(mode)) break;
-        // on the edge of its cone it is held unless the next moment takes it out
-        int leaves = -1;
+        // on the edge of its cone it is held unless the next moment takes it out; on those of all that share a load
+        // none is held then
+        const bool shares = shares_load(mode);
+        std::vector<int> on_edge;
+        bool leaves = false;
         Evaluator<double> values(mode.equations->program);
         values.set_parameters(mode.parameters);
         values(t, x);
         for (const Guard& guard : mode.equations->guards) {
             if (guard.kind != EventKind::slip || guard.contact < 0 || guard.joint >= 0 || guard.output < 0) continue;
-            if (values.output(guard.output) > 1e-13 * values.magnitude(guard.output)) continue;
-            if (leading_sign(mode, t, x, guard.output, 1) < 0) leaves = guard.contact;
+            const double left = values.output(guard.output) / values.magnitude(guard.output);
+            if (left > (shares ? 1e-11 : 1e-13)) continue;
+            const bool is_left = left <= (shares ? 1e-14 : 1e-13) && leading_sign(mode, t, x, guard.output, 1) < 0;
+            leaves = leaves || is_left;
+            if (shares || is_left) on_edge.push_back(guard.contact);
         }
-        if (leaves < 0) break;
-        breaking.push_back(leaves);
+        if (!leaves) break;
+        if (!shares) on_edge = {on_edge.back()};
+        breaking.insert(breaking.end(), on_edge.begin(), on_edge.end());
     }
     curve(before, mode, t, x);
 }
