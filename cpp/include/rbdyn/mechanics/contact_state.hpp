@@ -19,18 +19,28 @@ namespace mechanics {
 /// the speed is so small that its direction is rounding, in the last direction there was, or, where it starts from
 /// rest, in that of its first acceleration, or in one that is a polynomial in time where it has none (curves); or it is
 /// held, along those of the world's axes that are rows of their own. What slides, its force one of many, rests in a
-/// direction that stays, or veers with its slip.
+/// direction that stays, or veers with its slip, or sets out or bends where another one starts or curves.
 namespace contact_state {
 
 inline constexpr signed char pushes = 1, rests = 3, straight = 4, turning = 5, brief = 6, starts = 7, curves = 8,
-                             held = 9, veers = 17;
+                             held = 9, veers = 17, sets_out = 18, bends = 19;
 
 inline bool slides(signed char state) { return state >= straight && state <= curves; }
 inline bool is_held(signed char state) { return state >= held && state < veers; }
 /// Whether its normal force is a number of the mode, one of many.
-inline bool is_given(signed char state) { return state == rests || state == veers; }
+inline bool is_given(signed char state) { return state == rests || state >= veers; }
 /// Whether it slides in the direction that its slip has.
 inline bool follows_slip(signed char state) { return state == turning || state == veers; }
+/// Whether it starts from rest in a direction that stays, and whether its direction is a polynomial in time.
+inline bool is_start(signed char state) { return state == starts || state == sets_out; }
+inline bool is_curved(signed char state) { return state == curves || state == bends; }
+/// What slides as another does whose force is one of many, and the other way round.
+inline signed char given(signed char own) {
+    return own == turning ? veers : own == starts ? sets_out : own == curves ? bends : rests;
+}
+inline signed char own(signed char given) {
+    return given == veers ? turning : given == sets_out ? starts : given == bends ? curves : straight;
+}
 /// Whether what is held is so by a row of its own along an axis of the world.
 inline bool is_row(signed char state, int axis) { return is_held(state) && ((state - held) >> axis & 1) != 0; }
 inline const char* word(signed char state) { return state == flies ? "open" : is_held(state) ? "sticks" : "slides"; }
@@ -82,7 +92,7 @@ struct ContactMemory {
 
     static std::size_t place(int contact) { return static_cast<std::size_t>(1 + numbers * contact); }
     /// How many of the numbers its equations know, the first ones.
-    static int known(signed char state) { return state == contact_state::curves ? parameters + more : parameters; }
+    static int known(signed char state) { return contact_state::is_curved(state) ? parameters + more : parameters; }
     static ContactMemory of(const std::vector<double>& memory, int contact) {
         const double* const m = memory.data() + place(contact);
         ContactMemory result{{m[0], m[1], m[2]}, m[3], {m[4], m[5], m[6]}, {m[7], m[8], m[9]}, m[10], {},

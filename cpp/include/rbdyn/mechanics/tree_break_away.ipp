@@ -51,7 +51,7 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
     std::vector<int> stopping = at_rest;
     if (!fired.stopping.empty())
         for (const int k : candidates) {
-            if (!mechanics::contact_state::slides(before.slip[at(k)])) continue;
+            if (!slides(before.slip[at(k)]) && !(is_given(before.slip[at(k)]) && is_rough(k))) continue;
             const double speed = conditions_->contacts()[at(k)].touching<double>(*tree_, all).slip().norm();
             if (speed <= 16.0 * mechanics::ContactMemory::of(before.memory, k).least) stopping.push_back(k);
         }
@@ -75,6 +75,8 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
     const auto breaks = [&](int k) { return std::find(breaking.begin(), breaking.end(), k) != breaking.end(); };
     const Mode undecided = mode;
     mechanics::ConeForces found;
+    // what comes to its edge goes past it
+    const bool on_edges = fired.breaking.empty();
     // forces shared anew at this very instant that are at an edge again: no time is left in which some inside go on
     bool is_over = false;
     for (int k = 0; k < contacts() && !fired.breaking.empty() && shares_load(before); ++k)
@@ -84,7 +86,7 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
     // first, whether all that is at rest can be held
     if (breaking.empty() && !is_over && (fired.doubtful.empty() || shares_load(before))) {
         found = mechanics::held_by(touched.matrix, b, noise, touched.cones);
-        if (found.is_solved && take(before, mode, t, touched, found, b, noise, breaking)) {
+        if (found.is_solved && take(before, mode, t, touched, found, b, noise, breaking, on_edges)) {
             choose(mode, t, x, {}, true);
             return;
         }
@@ -134,22 +136,31 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
             touched.cones[i].mu = breaks(candidates[i]) ? c.sliding() : static_cast<double>(c.mu_static);
         }
         found = mechanics::solve_any_cones(touched.matrix, b, noise, touched.cones);
-        std::vector<int> more;
+        std::vector<int> more, moving_off;
         mechanics::ConeForces held = found;
-        bool is_slip = is_over;
+        double fastest = 0.0;
+        const auto rate_of = [&](std::size_t i) {
+            const auto f = static_cast<std::size_t>(touched.cones[i].first);
+            return touched.cones[i].is_line ? 0.0 : std::hypot(found.rate[f + 1], found.rate[f + 2]);
+        };
+        for (std::size_t i = 0; i < candidates.size(); ++i) fastest = std::max(fastest, rate_of(i));
         for (std::size_t i = 0; i < candidates.size(); ++i) {
             if (touched.cones[i].is_line || breaks(candidates[i]) || idles(i)) continue;
             const bool slides = found.states[i] == ConeState::slides;
             if (!slides && !(is_over && is_on_edge(i))) continue;
             more.push_back(candidates[i]);
             held.states[i] = ConeState::held;
-            is_slip = is_slip || (slides && !is_still(i));
+            // where something slides already forces are found one after the other, to less than their rounding
+            if (slides && !is_still(i) && rate_of(i) > 1e-7 * fastest) moving_off.push_back(candidates[i]);
         }
         if (more.empty()) break;
+        // what moves off does so first: beside it others may be on the edges of their cones by choice
+        if (!is_over && !moving_off.empty()) more = moving_off;
+        const bool is_slip = is_over || !moving_off.empty();
         // of forces that are one choice of many some are on an edge, and what slides there by rounding alone is held if
         // there are others
         open_doubtful(held);
-        if (found.is_solved && !is_slip && take(before, mode, t, touched, held, b, noise, breaking)) {
+        if (found.is_solved && !is_slip && take(before, mode, t, touched, held, b, noise, breaking, on_edges)) {
             choose(mode, t, x, {}, true);
             return;
         }
@@ -189,9 +200,9 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
         marginal.states[i] = ConeState::held;
         is_marginal = true;
     }
-    if (!is_marginal || !take(before, mode, t, touched, marginal, b, noise, breaking)) {
+    if (!is_marginal || !take(before, mode, t, touched, marginal, b, noise, breaking, on_edges)) {
         mode = undecided;
-        bool is_inside = take(before, mode, t, touched, found, b, noise, breaking), lets_go = false;
+        bool is_inside = take(before, mode, t, touched, found, b, noise, breaking, on_edges), lets_go = false;
         // what is held without a force, where none is inside its cone, touches and does no more
         for (std::size_t i = 0; i < candidates.size() && !is_inside && mode.impossible.empty(); ++i)
             if (found.states[i] == ConeState::held && !breaks(candidates[i]) && idles(i)) {
@@ -200,7 +211,7 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
             }
         if (lets_go) {
             mode = undecided;
-            is_inside = take(before, mode, t, touched, found, b, noise, breaking);
+            is_inside = take(before, mode, t, touched, found, b, noise, breaking, on_edges);
         }
         // forces on the edges of their cones, and none inside: what is on its edge slides
         std::size_t more = breaking.size();
@@ -212,15 +223,71 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
     if (mode.impossible.empty()) choose(mode, t, x, {}, true);
 }
 
+RBDYN_INLINE std::vector<bool> TreeModel::begin_to_slide(const Mode& mode, Touched& touched,
+                                                         const mechanics::ConeForces& found,
+                                                         const std::vector<double>& noise,
+                                                         const std::vector<int>& breaking) const {
+    using mechanics::ConeState;
+    std::vector<bool> begins(touched.all.size(), false);
+    // by what it does, or against the force that held it where it begins without an acceleration
+    std::vector<Vector3> wholes(touched.all.size(), Vector3(Vector3::Zero()));
+    std::vector<bool> moves(touched.all.size(), false);
+    std::vector<double> doubt(touched.all.size(), 0.0);  // of its direction
+    for (std::size_t i = 0; i < touched.all.size(); ++i) {
+        Touched::One& one = touched.all[i];
+        const auto f = static_cast<std::size_t>(touched.cones[i].first);
+        const bool breaks = std::find(breaking.begin(), breaking.end(), one.contact) != breaking.end();
+        begins[i] = found.states[i] != ConeState::open && is_rough(one.contact) && !one.slides &&
+                    (found.states[i] == ConeState::slides || breaks);
+        if (!begins[i]) continue;
+        const Vector3 rate = one.axes[1] * found.rate[f + 1] + one.axes[2] * found.rate[f + 2],
+                      force = one.axes[1] * found.force[f + 1] + one.axes[2] * found.force[f + 2];
+        moves[i] = rate.norm() > 1e3 * (noise[f + 1] + noise[f + 2]);
+        wholes[i] = moves[i] ? rate : Vector3(-force);
+        doubt[i] = moves[i] ? 1e-9 + (noise[f + 1] + noise[f + 2]) / rate.norm() : 1e-6;
+        one.along = wholes[i].normalized();
+    }
+    // of contacts of the same bodies that begin along one direction all do so along that of their sum: what each of
+    // them bears is known to the root of rounding, where it is one choice of many on the edges of all cones
+    std::vector<Vector3> common(touched.all.size());
+    for (std::size_t i = 0; i < touched.all.size(); ++i) {
+        if (!begins[i]) continue;
+        const mechanics::ContactLaw& c = conditions_->contacts()[at(touched.all[i].contact)];
+        Vector3 sum = Vector3::Zero();
+        bool is_one = true;
+        for (std::size_t j = 0; j < touched.all.size(); ++j) {
+            const mechanics::ContactLaw& other = conditions_->contacts()[at(touched.all[j].contact)];
+            if (!begins[j] || other.a.body != c.a.body || other.b.body != c.b.body) continue;
+            is_one = is_one && moves[i] == moves[j] &&
+                     (touched.all[i].at.normal - touched.all[j].at.normal).norm() <= 1e-14 &&
+                     (touched.all[i].along - touched.all[j].along).norm() <= doubt[i] + doubt[j];
+            sum += wholes[j];
+        }
+        common[i] = is_one ? Vector3(sum.normalized()) : touched.all[i].along;
+    }
+    for (std::size_t i = 0; i < touched.all.size(); ++i) {
+        if (!begins[i]) continue;
+        Touched::One& one = touched.all[i];
+        one.along = common[i];
+        const double mu = conditions_->contacts()[at(one.contact)].sliding();
+        mechanics::Row<double>& push = touched.pushes[at(touched.cones[i].first)];
+        push = one.at.row(Vector3(one.at.normal - one.along * mu), Vector3(Vector3::Zero()));
+        one.at.add_torque(push, twisting(mode, one.contact, touched.moving));
+    }
+    return begins;
+}
+
 RBDYN_INLINE bool TreeModel::take(const Mode& before, Mode& mode, double t, Touched& touched,
                                   const mechanics::ConeForces& found, const std::vector<double>& b,
-                                  const std::vector<double>& noise, const std::vector<int>& breaking) const {
+                                  const std::vector<double>& noise, const std::vector<int>& breaking,
+                                  bool may_be_on_edges) const {
     using mechanics::ConeState;
     using namespace mechanics::contact_state;
     const std::vector<mechanics::Moving<double>>& all = touched.moving;
     const auto breaks = [&](int k) { return std::find(breaking.begin(), breaking.end(), k) != breaking.end(); };
     std::vector<int> candidates;
     for (const Touched::One& one : touched.all) candidates.push_back(one.contact);
+    const std::vector<bool> starting = begin_to_slide(mode, touched, found, noise, breaking);
     // sliding forces come first, then what is held
     std::vector<int> rows = rows_without_contacts(mode);
     for (std::size_t i = 0; i < candidates.size(); ++i) {
@@ -233,21 +300,19 @@ RBDYN_INLINE bool TreeModel::take(const Mode& before, Mode& mode, double t, Touc
             continue;
         }
         mechanics::ContactMemory memory = mechanics::ContactMemory::of(mode.memory, k);
-        const bool begins = !one.slides && (found.states[i] == ConeState::slides || breaks(k));
+        const bool begins = starting[i];
         if (!one.slides && !begins) continue;
         rows.push_back(conditions_->normal_row(k));
         // a motion that an impact or its own stop did not touch goes on in its form
         if (one.slides && before.jumps == mode.jumps) {
             const signed char was = before.slip[at(k)];
-            if (slides(was) || was == veers) {
-                mode.slip[at(k)] = was == veers ? mechanics::contact_state::turning : was;
+            if (slides(was) || is_given(was)) {
+                // the time since when it shares its load is no longer that since when it bends
+                mode.slip[at(k)] = slides(was)    ? was
+                                   : was == bends ? mechanics::contact_state::turning
+                                                  : mechanics::contact_state::own(was);
                 continue;
             }
-        }
-        if (begins) {
-            const Vector3 rate = one.axes[1] * found.rate[f + 1] + one.axes[2] * found.rate[f + 2],
-                          force = one.axes[1] * found.force[f + 1] + one.axes[2] * found.force[f + 2];
-            one.along = (rate.norm() > 1e3 * (noise[f + 1] + noise[f + 2]) ? rate : Vector3(-force)).normalized();
         }
         double fastest = speed_of(k, all), size = 0.0;
         for (std::size_t j = f; j < f + (touched.cones[i].is_line ? 1U : 3U); ++j)
@@ -282,10 +347,10 @@ RBDYN_INLINE bool TreeModel::take(const Mode& before, Mode& mode, double t, Touc
                 mode.impossible = not_unique({k});
                 return false;
             }
-            mode.slip[at(k)] = follows_slip(mode.slip[at(k)]) ? veers : rests;
+            mode.slip[at(k)] = mechanics::contact_state::given(mode.slip[at(k)]);
         }
     }
-    return hold_by_friction(before, mode, t, touched, found.force, all);
+    return hold_by_friction(before, mode, t, touched, found.force, all, may_be_on_edges);
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM

@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -92,7 +93,8 @@ RBDYN_INLINE TreeModel::Touched TreeModel::touched(const Mode& before, double t,
         // in an impact the dynamic coefficient counts alone
         const bool resists = c.is_rough() && !(strikes && c.mu_dynamic.is_zero());
         if (c.is_rough() && !strikes) {
-            const bool slid = mechanics::contact_state::slides(before.slip[at(k)]);
+            const bool slid = mechanics::contact_state::slides(before.slip[at(k)]) ||
+                              mechanics::contact_state::is_given(before.slip[at(k)]);
             const double speed = one.slip.norm(),
                          last = slid ? mechanics::ContactMemory::of(before.memory, k).least : 0.0;
             // what never slips has rounding of a speed, but where it had to
@@ -137,7 +139,7 @@ RBDYN_INLINE void TreeModel::settle_rough(const Mode& before, Mode& mode, double
     // what has slid for a while, however slowly, has stopped
     for (const int k : fired.stopping)
         if (const auto memory = mechanics::ContactMemory::of(before.memory, k);
-            before.slip[at(k)] == mechanics::contact_state::starts && memory.at_edge &&
+            mechanics::contact_state::is_start(before.slip[at(k)]) && memory.at_edge &&
             t - memory.since <= 64.0 * epsilon * std::abs(t)) {
             mode.impossible = conditions_->contacts()[at(k)].name +
                               " breaks away in space at a friction that does not fall, in a direction that turns as it "
@@ -168,19 +170,25 @@ RBDYN_INLINE void TreeModel::settle_rough(const Mode& before, Mode& mode, double
     for (std::size_t turn = 0; turn <= candidates.size(); ++turn) {
         settle_breaking(before, mode, t, x, candidates, fired, breaking);
         if (!mode.impossible.empty()) return;
-        if (shares_load(mode)) break;
-        // on the edge of its cone it is held unless the next moment takes it out
-        int leaves = -1;
+        // on the edge of its cone it is held unless the next moment takes it out; on those of all that share a load
+        // none is held then
+        const bool shares = shares_load(mode);
+        std::vector<int> on_edge;
+        bool leaves = false;
         Evaluator<double> values(mode.equations->program);
         values.set_parameters(mode.parameters);
         values(t, x);
         for (const Guard& guard : mode.equations->guards) {
             if (guard.kind != EventKind::slip || guard.contact < 0 || guard.joint >= 0 || guard.output < 0) continue;
-            if (values.output(guard.output) > 1e-13 * values.magnitude(guard.output)) continue;
-            if (leading_sign(mode, t, x, guard.output, 1) < 0) leaves = guard.contact;
+            const double left = values.output(guard.output) / values.magnitude(guard.output);
+            if (left > (shares ? 1e-11 : 1e-13)) continue;
+            const bool is_left = left <= (shares ? 1e-14 : 1e-13) && leading_sign(mode, t, x, guard.output, 1) < 0;
+            leaves = leaves || is_left;
+            if (shares || is_left) on_edge.push_back(guard.contact);
         }
-        if (leaves < 0) break;
-        breaking.push_back(leaves);
+        if (!leaves) break;
+        if (!shares) on_edge = {on_edge.back()};
+        breaking.insert(breaking.end(), on_edge.begin(), on_edge.end());
     }
     curve(before, mode, t, x);
 }
@@ -189,6 +197,12 @@ RBDYN_INLINE void TreeModel::turn(const Mode& before, Mode& mode, double t, std:
                                   const Fired& fired) const {
     namespace states = mechanics::contact_state;
     const mechanics::TreeState state = look(before, t, x);
+    const auto lightest_at = [&](int k) {
+        double mass = std::numeric_limits<double>::infinity();
+        for (const int body : {conditions_->contacts()[at(k)].a.body, conditions_->contacts()[at(k)].b.body})
+            if (body >= 0) mass = std::min(mass, static_cast<double>(tree_->node(body).mass));
+        return mass > 0.0 ? mass : std::numeric_limits<double>::infinity();
+    };
     std::vector<int> turning = fired.turning;
     for (const int k : fired.stopping)
         if (std::find(turning.begin(), turning.end(), k) == turning.end()) turning.push_back(k);
@@ -206,8 +220,8 @@ RBDYN_INLINE void TreeModel::turn(const Mode& before, Mode& mode, double t, std:
         // what it loses within the rounding of the time its end is located is none
         memory.least = std::max(memory.least, 8.0 * epsilon * std::abs(t) * rate.norm());
         signed char& is = mode.slip[at(k)];
-        const bool was_turning = states::follows_slip(is) || is == states::curves, starts = is == states::starts,
-                   was_straight = is == states::straight;
+        const bool was_turning = states::follows_slip(is) || states::is_curved(is), starts = states::is_start(is),
+                   was_straight = is == states::straight || is == states::rests;
         if (was_turning || was_straight)
             // nor is the rounding of the speeds that made it up
             memory.least = std::max(memory.least, 0x1p-43 * fastest_of(k, t, x, fired.largest, state.moving));
@@ -215,6 +229,15 @@ RBDYN_INLINE void TreeModel::turn(const Mode& before, Mode& mode, double t, std:
         if (was_straight && std::abs(memory.axis.dot(slip)) <= 0.5 * memory.least) {
             memory.put(mode.memory, k);
             continue;
+        }
+        // and so does what is moved off it by no more than the rounding of what acts across it
+        if (was_straight && !stops) {
+            const auto [sum, size] = acceleration_along(touching.row(memory.axis, Vector3(Vector3::Zero())), state);
+            if (std::abs(sum) <= 1e-14 * size + 64.0 * epsilon * forces_at(k, state) / lightest_at(k)) {
+                memory.least = std::max(memory.least, 2.0 * std::abs(memory.axis.dot(slip)));
+                memory.put(mode.memory, k);
+                continue;
+            }
         }
         // what an engine's accuracy cannot tell from rest stops along its last direction, but where it passes by
         const bool passes = slip.cross(rate).norm() > 0.125 * speed * rate.norm(),
@@ -224,10 +247,8 @@ RBDYN_INLINE void TreeModel::turn(const Mode& before, Mode& mode, double t, std:
         // rounding beside its first acceleration
         if (!starts && speed > 1e-3 * memory.least) memory.axis = touching.normal.cross(slip).normalized();
         memory.put(mode.memory, k);
-        if (states::is_given(is))
-            is = is_least ? rests : states::veers;
-        else
-            is = starts ? states::straight : is_least ? states::brief : states::turning;
+        const signed char next = starts ? states::straight : is_least ? states::brief : states::turning;
+        is = states::is_given(is) ? states::given(next) : next;
     }
     choose(mode, t, x, {});
 }

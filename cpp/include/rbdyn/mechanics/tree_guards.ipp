@@ -60,10 +60,11 @@ RBDYN_INLINE void TreeWriter::guard_friction(EquationsWriter& write, int contact
     const signed char state = states_[at(contact)];
     const std::size_t first = place(contact);
     const Vector3Of<S> force = vector_at(first);
-    // what shares its load shares it anew where it comes to an edge
-    const bool is_held = contact_state::is_held(state), is_shared = is_held || contact_state::is_given(state);
+    // what shares its load shares it anew where it comes to an edge, and with it all that bear it
+    const bool is_held = contact_state::is_held(state), is_shared = is_held || contact_state::is_given(state),
+               is_renewed = is_shared || std::ranges::any_of(states_, contact_state::is_given);
     const Guard leaves{
-        .kind = EventKind::detach, .contact = contact, .name = "force of " + c.name, .renews = is_shared},
+        .kind = EventKind::detach, .contact = contact, .name = "force of " + c.name, .renews = is_renewed},
         turns{.kind = EventKind::switching,
               .contact = contact,
               .name = "direction of the slip of " + c.name,
@@ -97,11 +98,12 @@ RBDYN_INLINE void TreeWriter::guard_friction(EquationsWriter& write, int contact
         return;
     }
     // what starts has no speed yet, and no acceleration if it starts at the edge of its cone, but for rounding
-    const bool begins = state == contact_state::starts || state == contact_state::curves;
+    const bool begins = contact_state::is_start(state) || contact_state::is_curved(state);
     write.guard(stops, begins ? f.speed + f.least : f.speed);
-    const bool curves = state == contact_state::curves, is_brief = state == contact_state::brief;
-    if (is_brief || state == contact_state::starts) write.guard(turns, S(2.0) * f.least - f.speed);
-    if (state == contact_state::starts) return;
+    const bool curves = contact_state::is_curved(state), starts = contact_state::is_start(state),
+               is_brief = state == contact_state::brief;
+    if (is_brief || starts) write.guard(turns, S(2.0) * f.least - f.speed);
+    if (starts) return;
     const S across = dot<S>(cross<S>(t.normal, f.along), slip);
     // a direction that curves was made for what acts as it begins
     const S most = curves ? f.least + f.speed * S(1e-6) : is_brief ? S(2.0) * f.least : f.least;

@@ -217,9 +217,15 @@ private:
     std::vector<int> ending(const Mode& before, double t, std::span<const double> x, const Fired& fired) const;
     void settle_breaking(const Mode& before, Mode& mode, double t, std::span<double> x,
                          const std::vector<int>& candidates, const Fired& fired, std::vector<int> breaking) const;
-    /// The states of contacts from forces found. Returns whether they can be held so.
+    /// Which contacts begin to slide by forces found, and along which directions: of those of the same bodies that do
+    /// so along one direction it is that of all of them.
+    std::vector<bool> begin_to_slide(const Mode& mode, Touched& touched, const mechanics::ConeForces& found,
+                                     const std::vector<double>& noise, const std::vector<int>& breaking) const;
+    /// The states of contacts from forces found. Returns whether they can be held so; `may_be_on_edges`: where all of
+    /// them are on the edges of their cones, too.
     bool take(const Mode& before, Mode& mode, double t, Touched& touched, const mechanics::ConeForces& found,
-              const std::vector<double>& b, const std::vector<double>& noise, const std::vector<int>& breaking) const;
+              const std::vector<double>& b, const std::vector<double>& noise, const std::vector<int>& breaking,
+              bool may_be_on_edges = false) const;
     /// Directions of slips that begin at the edges of their cones, as they turn (tree_slip_directions.ipp).
     void curve(const Mode& before, Mode& mode, double t, std::span<const double> x) const;
     /// Closes smooth contacts whose forces depend on each other, all of them pushing. Returns whether they can.
@@ -261,7 +267,8 @@ private:
     /// The rows of what is held, and the forces along axes that have none. Returns whether there are such, inside all
     /// cones.
     bool hold_by_friction(const Mode& before, Mode& mode, double t, const Touched& touched,
-                          const std::vector<double>& force, const std::vector<mechanics::Moving<double>>& all) const;
+                          const std::vector<double>& force, const std::vector<mechanics::Moving<double>>& all,
+                          bool may_be_on_edges) const;
     /// forces_inside() beside joints that are held, which share the load: what they exert, and what presses them,
     /// follows from those forces. `loose`: contact and axis of each.
     std::vector<double> forces_with_joints(const Mode& mode, double t, std::vector<double> x,

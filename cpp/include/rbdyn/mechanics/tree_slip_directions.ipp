@@ -171,7 +171,7 @@ RBDYN_INLINE void TreeModel::curve(const Mode& before, Mode& mode, double t, std
     constexpr auto terms = static_cast<std::size_t>(ContactMemory::terms);
     std::vector<int> of, pulled;
     for (int k = 0; k < contacts(); ++k)
-        if (mode.slip[at(k)] == states::starts && before.slip[at(k)] != states::starts)
+        if (states::is_start(mode.slip[at(k)]) && !states::is_start(before.slip[at(k)]))
             (ContactMemory::of(mode.memory, k).at_edge ? of : pulled).push_back(k);
     // what is pulled away keeps its first direction for as long as the time of its start is unknown, and what has no
     // size that would tell what is small for a small part of the time in which its acceleration changes
@@ -186,12 +186,49 @@ RBDYN_INLINE void TreeModel::curve(const Mode& before, Mode& mode, double t, std
         }
         own_parameters(mode, x);
     }
+    // along one direction together it is that in which nothing is left across: what is small beside the forces that
+    // cancel is known as well as they are, not its direction
+    std::vector<int> left = pulled;
+    while (left.size() > 0) {
+        const int first = left.front();
+        const mechanics::ContactLaw& law = conditions_->contacts()[at(first)];
+        const Vector3 axis = ContactMemory::of(mode.memory, first).axis;
+        std::vector<int> group;
+        std::erase_if(left, [&](int k) {
+            const mechanics::ContactLaw& c = conditions_->contacts()[at(k)];
+            const bool is_one = k == first || (c.a.body == law.a.body && c.b.body == law.b.body &&
+                                               (ContactMemory::of(mode.memory, k).axis - axis).norm() <= 1e-15);
+            if (is_one) group.push_back(k);
+            return is_one;
+        });
+        const auto all = moving(t, x);
+        const auto touching = law.touching<double>(*tree_, all);
+        const auto turned = [&](double by) {
+            Mode other = mode;
+            for (const int k : group) {
+                ContactMemory memory = ContactMemory::of(mode.memory, k);
+                memory.axis = (axis * std::cos(by) + touching.normal.cross(axis) * std::sin(by)).normalized();
+                memory.put(other.memory, k);
+            }
+            own_parameters(other, x);
+            return other;
+        };
+        const auto across = [&](const Mode& m) {
+            const Vector3 aside = ContactMemory::of(m.memory, first).axis;
+            return acceleration_along(touching.row(aside, Vector3(Vector3::Zero())), look(m, t, x)).first;
+        };
+        constexpr double step = 1e-6;
+        const double now = across(mode), by = -now * step / (across(turned(step)) - now);
+        if (!(std::abs(by) < 1e-3)) continue;
+        Mode better = turned(by);
+        if (std::abs(across(better)) < std::abs(now)) mode = std::move(better);
+    }
     if (of.empty() || mode.equations->program.has_calls()) return;
     const std::size_t count = of.size();
     Mode bent = mode;
     std::vector<ContactMemory> memories;
     for (const int k : of) {
-        bent.slip[at(k)] = states::curves;
+        bent.slip[at(k)] = states::is_given(mode.slip[at(k)]) ? states::bends : states::curves;
         memories.push_back(ContactMemory::of(mode.memory, k));
         memories.back().since = t;
         std::fill(std::begin(memories.back().angle), std::end(memories.back().angle), 0.0);

@@ -42,7 +42,7 @@ RBDYN_INLINE TreeWriter::TreeWriter(Recorder& r, const Tree& tree, const Conditi
         S numbers[ContactMemory::parameters];
         for (S& one : numbers) one = r.parameter(r.new_parameter());
         S curve[ContactMemory::more];
-        if (states_[k] == contact_state::curves)
+        if (contact_state::is_curved(states_[k]))
             for (S& one : curve) one = r.parameter(r.new_parameter());
         Friction& f = friction_[k];
         f.axis = {numbers[0], numbers[1], numbers[2]};
@@ -53,7 +53,7 @@ RBDYN_INLINE TreeWriter::TreeWriter(Recorder& r, const Tree& tree, const Conditi
             continue;
         const Vector3Of<S> slip = touching_[k].slip(), last = unit_along(f.axis, touching_[k].normal);
         f.along = last;
-        if (states_[k] == contact_state::curves) {
+        if (contact_state::is_curved(states_[k])) {
             const S time = r.time() - numbers[10];
             S angle(0.0);
             for (int i = ContactMemory::terms; i-- > 0;) angle = (angle + curve[i]) * time;
