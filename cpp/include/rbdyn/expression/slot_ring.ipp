@@ -50,13 +50,14 @@ RBDYN_INLINE std::unique_ptr<const SlotRing> SlotRing::of(const Program& program
             last_reader[at(program.output(wavefront.inputs[i]))] = c;
     }
     std::unique_ptr<SlotRing> ring(new SlotRing);
-    std::size_t apart = 0, area = 0;
+    std::size_t apart = 0, area = 0, far = 0;
     std::ptrdiff_t all = 0;
     for (std::size_t c = 0; c < count; ++c) {
         std::erase_if(made[c], [&](int slot) {
             // what is for all, say
             const bool stays = last_reader[at(slot)] > c + most_apart;
             if (stays) maker[at(slot)] = none;
+            far += stays ? 1 : 0;
             return stays;
         });
         std::ranges::sort(made[c]);
@@ -68,6 +69,8 @@ RBDYN_INLINE std::unique_ptr<const SlotRing> SlotRing::of(const Program& program
         area = std::max(area, own);
         all += static_cast<std::ptrdiff_t>(own);
     }
+    // where each chunk has such a one its slots are of two kinds, and code of what repeats itself has registers for few
+    if (2 * far > count) return nullptr;
     ring->period_ = apart + behind;
     if (count < fewest_periods * ring->period_ || 2 * static_cast<std::ptrdiff_t>(ring->period_ * area) > all)
         return nullptr;
