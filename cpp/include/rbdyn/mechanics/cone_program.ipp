@@ -253,6 +253,38 @@ inline bool newton(const Scaled& p, const std::vector<ConeState>& states, std::v
     return before < 100.0;
 }
 
+/// Whether what contacts hold is at rest to the rounding of forces that move something. Those that cancel each other,
+/// as of what is squeezed between two surfaces, move nothing however large they are, and rounding of ever larger ones
+/// would be any rates at all.
+inline bool is_held_by_what_moves(const Scaled& p, const std::vector<ConeState>& states, const std::vector<double>& z,
+                                  const std::vector<double>& slip) {
+    constexpr double large = 1e3, nothing = 1e-12, roundings = 100.0;
+    const int n = static_cast<int>(z.size());
+    const std::vector<double> u = p.rates(z);
+    double largest = 0.0;
+    SquareMatrix m(n);
+    std::vector<double> made;
+    for (std::size_t i = 0; i < z.size(); ++i) {
+        for (std::size_t j = 0; j < z.size(); ++j) {
+            m(static_cast<int>(i), static_cast<int>(j)) = p.a[i][j];
+            largest = std::max(largest, std::abs(p.a[i][j] * z[j]));
+        }
+        made.push_back(u[i] - p.b[i]);
+    }
+    if (largest <= large) return true;
+    // the same rates by forces without such a part
+    const std::vector<double> moving = solve(std::move(m), std::move(made), nothing).x;
+    for (std::size_t k = 0; k < states.size(); ++k) {
+        if (states[k] == ConeState::open) continue;
+        const auto f = static_cast<std::size_t>(p.cones[k].first);
+        for (std::size_t i = f; i < f + Scaled::unknowns(p.cones[k]); ++i) {
+            const double asked = i == f || states[k] == ConeState::held ? 0.0 : -slip[k] * z[i];
+            if (std::abs(u[i] - asked) > roundings * p.rounding(i, moving)) return false;
+        }
+    }
+    return true;
+}
+
 /// The exact solution from one nearby, what contacts do changed until all conditions hold.
 inline std::optional<ConeForces> settled(const Scaled& p, std::vector<ConeState> states, std::vector<double> z) {
     const std::size_t count = p.cones.size();
@@ -307,6 +339,7 @@ inline std::optional<ConeForces> settled(const Scaled& p, std::vector<ConeState>
                 fails(k, over, ConeState::slides);
         }
         if (worst == count) {
+            if (!is_held_by_what_moves(p, states, z, slip)) return std::nullopt;
             // what is at rest is so exactly
             for (std::size_t k = 0; k < count; ++k) {
                 if (states[k] == ConeState::open) continue;

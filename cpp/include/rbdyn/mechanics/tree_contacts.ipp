@@ -12,6 +12,7 @@
 
 #include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/mechanics/contact_state.hpp"
+#include "rbdyn/mechanics/speed_rounding.hpp"
 #include "rbdyn/mechanics/touched.hpp"
 #include "rbdyn/mechanics/tree_model.hpp"
 
@@ -166,7 +167,8 @@ RBDYN_INLINE std::pair<std::vector<double>, std::vector<double>> TreeModel::open
     for (const int k : of) {
         const auto [sum, size] = acceleration_along(rows[at(conditions_->normal_row(k))], state);
         result.first.push_back(sum);
-        result.second.push_back(1e-13 * size);
+        const double curved = mechanics::speed_rounding(speed_of(k, state.moving), size_of(k, state.moving));
+        result.second.push_back(1e-13 * (size + curved));
     }
     return result;
 }
@@ -202,7 +204,9 @@ RBDYN_INLINE double TreeModel::forces_at(int contact, const mechanics::TreeState
     for (const int body : {c.a.body, c.b.body}) {
         if (body < 0) continue;
         const Wrench<double>& effort = state.bodies[at(body)].effort;
-        forces += effort.force.norm() + (size > 0.0 ? effort.moment.norm() / size : 0.0);
+        forces += effort.force.norm() + (size > 0.0 ? effort.moment.norm() / size : 0.0) +
+                  static_cast<double>(tree_->node(body).mass) *
+                      mechanics::speed_rounding(speed_of(contact, state.moving), size);
     }
     return forces;
 }

@@ -21,6 +21,7 @@
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/mechanics/closure.hpp"
 #include "rbdyn/mechanics/level.hpp"
+#include "rbdyn/mechanics/speed_rounding.hpp"
 #include "rbdyn/mechanics/tree_writer.hpp"
 #include "rbdyn/model/acting.hpp"
 #include "rbdyn/model/rail_singular.hpp"
@@ -457,7 +458,13 @@ RBDYN_INLINE void TreeModel::observe(const Mode& mode, double t, std::span<const
         // what is not unique is one of many
         if (shares_load(mode)) c.force = Vector3::Zero();
         const mechanics::ContactLaw& law = conditions_->contacts()[at(k)];
-        out.push_back({c.force, false, 0.0, std::max(c.force.norm(), effort(law.a, law.b).force.norm()), Alike::force});
+        double most = std::max(c.force.norm(), effort(law.a, law.b).force.norm());
+        for (const int i : {law.a.body, law.b.body})
+            if (i >= 0)
+                most =
+                    std::max(most, static_cast<double>(tree_->node(i).mass) *
+                                       mechanics::speed_rounding(speed_of(k, state.moving), size_of(k, state.moving)));
+        out.push_back({c.force, false, 0.0, most, Alike::force});
     }
     for (std::size_t k = 0; k < state.constraints.size(); ++k) {
         const ConstraintReport& c = state.constraints[k];

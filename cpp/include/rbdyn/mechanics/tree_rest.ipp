@@ -6,6 +6,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -17,6 +18,7 @@
 #include "rbdyn/expression/recorder.hpp"
 #include "rbdyn/mechanics/contact_state.hpp"
 #include "rbdyn/mechanics/resting.hpp"
+#include "rbdyn/mechanics/speed_rounding.hpp"
 #include "rbdyn/mechanics/tree_model.hpp"
 #include "rbdyn/model/leading_sign.hpp"
 
@@ -25,7 +27,7 @@ namespace rbdyn::inline RBDYN_FORM {
 RBDYN_INLINE bool TreeModel::is_at_rest(const Mode& mode, int body, const mechanics::TreeState& state) const {
     // of accelerations, and of the speeds that forces make: what is held has those of velocities alone
     constexpr double rounding = 1e-11, slow = 1e-14;
-    const double force = state.bodies[at(body)].effort.force.norm(), mass = static_cast<double>(tree_->node(body).mass);
+    const double mass = static_cast<double>(tree_->node(body).mass);
     const auto moments = tree_->inertia_of<double>(body, state.moving[at(body)]);
     const auto inertia = [&](const Vector3& v) {
         Vector3 sum = Vector3::Zero();
@@ -41,22 +43,29 @@ RBDYN_INLINE bool TreeModel::is_at_rest(const Mode& mode, int body, const mechan
         if (is_rough(k) && !mechanics::contact_state::is_held(mode.slip[at(k)])) return false;
         const auto touching = c.touching<double>(*tree_, state.moving);
         Vector3 turns = touching.turning, turn_rate = Vector3::Zero(), acceleration = Vector3::Zero();
+        double quickest = 0.0;  // of the accelerations that this is a difference of
         const auto take = [&](int i, const Vector3& arm, double sign) {
             if (i < 0) return;
             const mechanics::TreeState::Body& b = state.bodies[at(i)];
             const Vector3& omega = state.moving[at(i)].omega;
+            const Vector3 own =
+                b.origin_acceleration + b.angular_acceleration.cross(arm) + omega.cross(Vector3(omega.cross(arm)));
             turn_rate += sign * b.angular_acceleration;
-            acceleration += sign * (b.origin_acceleration + b.angular_acceleration.cross(arm) +
-                                    omega.cross(Vector3(omega.cross(arm))));
+            acceleration += sign * own;
+            quickest = std::max(quickest, own.norm());
         };
         take(touching.a, touching.arm_a, 1.0);
         take(touching.b, touching.arm_b, -1.0);
         // a particle does not turn, nor does a point of it
         if (tree_->node(body).is_point) turns = turn_rate = Vector3::Zero();
-        const double size = size_of(k, state.moving);
+        const double size = size_of(k, state.moving),
+                     force = state.bodies[at(body)].effort.force.norm() +
+                             mass * mechanics::speed_rounding(speed_of(k, state.moving), size);
         if (mass * acceleration.norm() * size + inertia(turn_rate).norm() > rounding * force * size) return false;
-        const double kinetic = mass * touching.velocity.squaredNorm() + turns.dot(inertia(turns)),
-                     carried = 16.0 * epsilon * speed_of(k, state.moving);  // a difference of speeds
+        // a difference of speeds, known where surfaces are driven as far as the time is
+        const double late = is_driven() && std::isfinite(mode.memory[0]) ? std::abs(mode.memory[0]) : 0.0,
+                     carried = 64.0 * epsilon * (speed_of(k, state.moving) + quickest * late),
+                     kinetic = mass * touching.velocity.squaredNorm() + turns.dot(inertia(turns));
         if (kinetic > slow * slow * force * size + mass * carried * carried) return false;
     }
     return touches;
