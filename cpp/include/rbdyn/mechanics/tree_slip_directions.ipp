@@ -281,12 +281,12 @@ RBDYN_INLINE void TreeModel::curve(const Mode& before, Mode& mode, double t, std
     for (std::size_t m = 1; m <= terms + 2; ++m)
         // what is asked for first is rounded, then what is left is taken away
         for (int pass = 0; pass < 3; ++pass) {
-            std::vector<double> left, grows;
+            std::vector<double> against, grows;
             for (std::size_t i = 0; i < count; ++i) {
-                left.push_back(-slips.across[i][m]);
+                against.push_back(-slips.across[i][m]);
                 grows.push_back(slips.along[i][2]);
             }
-            const auto [own, before_it] = ties.answer(2.0 / static_cast<double>(m), m > 1, grows, left);
+            const auto [own, before_it] = ties.answer(2.0 / static_cast<double>(m), m > 1, grows, against);
             for (std::size_t i = 0; i < count; ++i) {
                 if (m <= terms + 1) turn(i, m - 1, own[i]);
                 if (m > 1) turn(i, m - 2, before_it[i]);
@@ -301,8 +301,8 @@ RBDYN_INLINE void TreeModel::curve(const Mode& before, Mode& mode, double t, std
         // a way that others hold it to is one that nothing draws it to
         if (std::abs(by[i][i]) > nothing) until = std::min(until, std::abs(by[i][i]) / grows / 15.0);
         for (const std::size_t n : {terms, terms + 1})
-            if (const double left = std::abs(slips.across[i][n + 2]); left > 0.0)
-                until = std::min(until, std::pow(1e-13 * grows / left, 1.0 / static_cast<double>(n)));
+            if (const double rest = std::abs(slips.across[i][n + 2]); rest > 0.0)
+                until = std::min(until, std::pow(1e-13 * grows / rest, 1.0 / static_cast<double>(n)));
     }
     if (!(until > 1e4 * epsilon * std::abs(t)) || !std::isfinite(until)) return;
     const auto all = moving(t, x);
