@@ -85,6 +85,8 @@ RBDYN_INLINE std::vector<double> TreeForces::force_sizes(const Wide& place) {
     if (distinguishes_) record(q);
     std::vector<double> of_positions;
     if (!rows_.empty()) {
+        // where it was asked last was no place
+        if (place_.empty()) look_at(place);
         const std::vector<double> all = known();
         for (const mechanics::Node& n : tree().nodes()) {
             const int turns = n.joint.attitude();
