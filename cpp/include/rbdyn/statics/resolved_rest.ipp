@@ -73,16 +73,8 @@ RBDYN_INLINE bool is_resolved(TreeForces& forces, const std::vector<double>& q, 
     if (!is_far && is_rounding_of_terms()) return true;
     TreeForces::Wide place = forces.wide(q);
     if (place.empty()) return false;
-    // what is more than rounding of terms and of the place is a force, however even
-    constexpr double rounding = 4096.0 * epsilon;
-    const std::vector<double> known = forces.force_sizes(place);
-    for (int i = 0; i < n; ++i) {
-        double size = s.effort[at(i)] + known[at(i)];
-        for (int j = 0; j < n; ++j) size += std::abs(s.jacobian(i, j)) * s.size[at(j)];
-        if (!(std::abs(s.force[at(i)]) <= rounding * size) || !std::isfinite(size)) return false;
-    }
     // farther than rounding of the place may have made a force pass for none
-    if (resolving::goes_as_slopes_say(forces, place, s.jacobian, s, rounding)) return true;
+    if (resolving::goes_as_slopes_say(forces, place, s.jacobian, s, 4096.0 * epsilon)) return true;
     if (is_far) return false;
     constexpr int most_steps = 400;
     for (int iteration = 0; iteration < most_steps; ++iteration) {
