@@ -208,7 +208,7 @@ RBDYN_INLINE bool TreeModel::hold_by_friction(const Mode& before, Mode& mode, do
                     return is_held(mode.slip[at(other.contact)]) && o.a.body == c.a.body && o.b.body == c.b.body;
                 });
             cones.push_back(touched.cones[i]);
-            cones.back().is_line = cones.back().is_line || (!is_held(state) && !stays);
+            cones.back().is_line = cones.back().is_line || (joints_.empty() && !is_held(state) && !stays);
         }
     const auto are_in = [&](const std::vector<double>& z) { return mechanics::are_inside(z, cones); };
     // forces along the axes of the world, from those that solve the problem: some along axes without rows are loose

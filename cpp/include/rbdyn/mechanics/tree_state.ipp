@@ -183,12 +183,15 @@ RBDYN_INLINE TreeState::TreeState(const Tree& given, const Conditions& condition
         add<double>(b.reaction, b.acts, -1.0);
         add<double>(b.reaction, held[at(i)], -1.0);
         tree_states::add_sizes(b.effort, b.acts);
-        // what is left of the acceleration of G may be rounding of what it is a sum of
+        // where what is left of the acceleration of G is rounding it is that of what it is a sum of
+        constexpr double rounding = 1e-9;
         const Vector3 terms = (sizes(b.origin_acceleration) + tree_states::moment_size(b.angular_acceleration, b.arm) +
                                sizes(b.arm) * m.omega.squaredNorm() + sizes(m.omega) * std::abs(m.omega.dot(b.arm))) *
                               static_cast<double>(tree.node(i).mass);
-        b.effort.force += terms;
-        b.effort.moment += sizes(inertia.moment) + tree_states::moment_size(terms, b.arm) +
+        const bool cancels = inertia.force.norm() <= rounding * terms.norm();
+        const Vector3 force = cancels ? terms : sizes(inertia.force);
+        b.effort.force += force;
+        b.effort.moment += sizes(inertia.moment) + tree_states::moment_size(force, b.arm) +
                            tree_states::moment_size(b.spin_momentum, Vector3(m.omega));
     }
     for (int i = tree.size() - 1; i >= 0; --i)

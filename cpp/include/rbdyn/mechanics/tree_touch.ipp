@@ -86,7 +86,7 @@ struct TreeModel::Encounter {
     void list(std::span<const int> fired);
     void reach();
     void strike();
-    bool comes_back_at_once(double came);
+    bool comes_back_at_once();
     void let_fly(bool is_alone, double made_alone);
     void end_bounces();
     void come_to_rest(const Mode& struck, const std::vector<double>& bounced, const std::vector<int>& stuck,
@@ -195,7 +195,7 @@ RBDYN_INLINE void TreeModel::Encounter::strike() {
         for (const int k : landing) came = std::max(came, -rate(all, k));
         left.slid = model.conditions_->is_rough() && !model.follows_together(mode);
         group = model.accumulating(after, t, x, rest, closed, came, left);
-        if (group.empty() && after.impossible.empty() && comes_back_at_once(came)) group = closed;
+        if (group.empty() && after.impossible.empty() && comes_back_at_once()) group = closed;
     }
     if (group.empty() && after.impossible.empty() && flight <= 8.0 * epsilon * std::abs(t))
         group = model.collapsing(mode, after, t, x, rest, closed, strokes);
@@ -205,10 +205,14 @@ RBDYN_INLINE void TreeModel::Encounter::strike() {
 
 /// Whether what was thrown back at this very instant is at its surface once more, not coming to it but pressed on it:
 /// what is left of its bounces is less than the rounding of the speeds it differs by.
-RBDYN_INLINE bool TreeModel::Encounter::comes_back_at_once(double came) {
-    if (closed.size() != 1 || came > 0.0 || flight > 8.0 * epsilon * std::abs(t) || mode.jumps == 0) return false;
+RBDYN_INLINE bool TreeModel::Encounter::comes_back_at_once() {
+    if (closed.size() != 1 || flight > 8.0 * epsilon * std::abs(t) || mode.jumps == 0) return false;
+    const double parts = rate(all, closed.front());
+    if (parts < 0.0) return false;
     const auto [w, noise] = model.opening(after, t, x, closed);
-    return after.slip[at(closed.front())] == flies && w.front() < -noise.front();
+    // of speeds, and of the phase of what drives surfaces
+    const double rounding = 64.0 * epsilon * (model.speed_of(closed.front(), all) + std::abs(w.front() * t));
+    return parts <= rounding && after.slip[at(closed.front())] == flies && w.front() < -noise.front();
 }
 
 /// Opens what is thrown back.
