@@ -26,9 +26,8 @@ namespace rbdyn::inline RBDYN_FORM {
 
 class HiddenTerms {
 public:
-    /// Of series whose coefficients 0 .. order are known, of all outputs.
+    /// Of series whose coefficients 0 .. order are known, of all outputs, or of those given.
     HiddenTerms(const Program& program, int order);
-    /// Of those given, each to the rounding of its own values: what a sum has in it far below that hides nothing.
     HiddenTerms(const Program& program, int order, std::span<const int> outputs);
 
     /// Whether no function of the program hides terms.
@@ -54,7 +53,6 @@ private:
     struct Factors {
         int a, b;
         int place_a, place_b;  // among those of all products, in the order in which they come up
-        int sum, weight;       // what it is a term of, if that counts, else -1
     };
     /// Of a slot to the power -rate: of a sum with a constant part, the product of these weights, that keeps it from
     /// zero. What has none is as large where a step begins as anywhere, but for poles, and these are seen.

@@ -21,9 +21,7 @@
 namespace rbdyn::inline RBDYN_FORM {
 
 RBDYN_INLINE HiddenTerms::HiddenTerms(const Program& program, int order)
-    : HiddenTerms(program, order, all_outputs(program)) {
-    for (Factors& factors : products_) factors.sum = -1;
-}
+    : HiddenTerms(program, order, all_outputs(program)) {}
 
 RBDYN_INLINE HiddenTerms::HiddenTerms(const Program& program, int order, std::span<const int> outputs)
     : order_(order), visible_(order - integrations), most_(0.5 * order) {
@@ -71,8 +69,7 @@ RBDYN_INLINE HiddenTerms::HiddenTerms(const Program& program, int order, std::sp
             case Code::combine:
                 for (int k = 0; k < i.products; ++k) {
                     const ProductTerm& t = program.products(i)[k];
-                    if (of(t.a) + of(t.b) > visible_)
-                        products_.push_back({t.a, t.b, place(t.a), place(t.b), i.out, t.weight});
+                    if (of(t.a) + of(t.b) > visible_) products_.push_back({t.a, t.b, place(t.a), place(t.b)});
                 }
                 break;
             default: break;
@@ -268,14 +265,8 @@ RBDYN_INLINE bool HiddenTerms::holds(const SeriesEvaluator& series, const Factor
     }
     // so much more than these they may be
     constexpr double more = 64.0;
-    double allowed = std::max({std::exp2(-most_) * seen, more * std::min(told[0], told[1]), std::exp(-negligible)});
-    // of the sum whose rounding is as much
-    constexpr double rounding = 0x1p-60;
-    if (factors.sum >= 0 && factors.weight >= 0) {
-        const double weight = std::abs(series.weight(factors.weight)),
-                     whole = std::abs(series.coefficients(factors.sum)[0]);
-        if (weight > 0.0 && std::isfinite(whole)) allowed = std::max(allowed, rounding * whole / weight);
-    }
+    const double allowed =
+        std::max({std::exp2(-most_) * seen, more * std::min(told[0], told[1]), std::exp(-negligible)});
     return !(beyond > allowed || std::isinf(beyond));
 }
 
