@@ -7,6 +7,7 @@
 #include "rbdyn/mechanics/critical.ipp"
 #include "rbdyn/mechanics/exert.ipp"
 #include "rbdyn/mechanics/loosening.ipp"
+#include "rbdyn/mechanics/recorded_rows.ipp"
 #include "rbdyn/mechanics/redundant.ipp"
 #include "rbdyn/mechanics/tree.ipp"
 #include "rbdyn/mechanics/tree_break_away.ipp"

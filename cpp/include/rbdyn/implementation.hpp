@@ -151,6 +151,7 @@
 #include "rbdyn/mechanics/friction_cones.ipp"
 #include "rbdyn/mechanics/loosening.ipp"
 #include "rbdyn/mechanics/plane_choice.ipp"
+#include "rbdyn/mechanics/recorded_rows.ipp"
 #include "rbdyn/mechanics/redundant.ipp"
 #include "rbdyn/mechanics/tree.ipp"
 #include "rbdyn/mechanics/tree_bounces.ipp"

@@ -220,19 +220,21 @@ std::vector<std::vector<double>> dependences(const Tree& tree, const Conditions&
 [[gnu::cold]] double close(const Tree& tree, const Conditions& conditions, const std::vector<int>& rows, double t,
                            std::vector<DoubleDouble>& x, int most = 12, const std::vector<double>& open = {});
 
+class LazyRows;   // recorded_rows.hpp
+class RowValues;  // the same
+
 /// The same after every step, and |q| = 1 of attitudes. What is held by friction has rows of velocities and one of its
 /// gap that are not the same.
 class TreeProjection : public Projection {
 public:
     /// `rows`: of velocities; `closed`: of gaps. `size`: of the least of what touches [m], zero if nothing does.
+    /// `recorded`: of these rows, where they are those of constraints; none: the tree is walked.
     TreeProjection(std::shared_ptr<const Tree> tree, std::shared_ptr<const Conditions> conditions,
-                   std::vector<int> rows, std::vector<int> closed, double size = 0.0)
-        : tree_(std::move(tree)),
-          conditions_(std::move(conditions)),
-          rows_(std::move(rows)),
-          closed_(std::move(closed)),
-          size_(size),
-          near_(1e-9 * closing::least_arm(*tree_, *conditions_)) {}
+                   std::vector<int> rows, std::vector<int> closed, double size = 0.0,
+                   std::shared_ptr<const LazyRows> recorded = nullptr);
+    TreeProjection(const TreeProjection&) = delete;
+    TreeProjection& operator=(const TreeProjection&) = delete;
+    ~TreeProjection() override;
 
     void apply(std::span<double> x, std::span<double> low, double step, double t) const override;
 
@@ -245,9 +247,18 @@ public:
                        double then) const override;
 
 private:
+    using Real = long double;
+
+    /// Moves a state, where x is its doubles, by programs or by the tree; `before`: as it was.
+    void hold(RowValues& rows, std::span<const double> x, std::vector<Real>& wide, double t) const;
+    void hold(std::span<const double> x, std::vector<Real>& wide, const std::vector<Real>& before, double t) const;
+    void add_to_velocities(const std::vector<double>& changes, std::vector<Real>& wide) const;
+
     std::shared_ptr<const Tree> tree_;
     std::shared_ptr<const Conditions> conditions_;
     std::vector<int> rows_, closed_;
+    std::shared_ptr<const LazyRows> recorded_;
+    mutable std::unique_ptr<RowValues> values_;
     double size_, near_;  // the second: a gap that one step of Newton's method closes to all digits [m]
 
     /// Whether rows of velocities are those of gaps, and of constraints.

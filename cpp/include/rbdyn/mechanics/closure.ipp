@@ -12,6 +12,7 @@
 
 #include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/mechanics/critical.hpp"
+#include "rbdyn/mechanics/recorded_rows.hpp"
 #include "rbdyn/model/compensated.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::mechanics {
@@ -151,56 +152,101 @@ RBDYN_INLINE double close(const Tree& tree, const Conditions& conditions, const 
     return left;
 }
 
+RBDYN_INLINE TreeProjection::TreeProjection(std::shared_ptr<const Tree> tree,
+                                            std::shared_ptr<const Conditions> conditions, std::vector<int> rows,
+                                            std::vector<int> closed, double size,
+                                            std::shared_ptr<const LazyRows> recorded)
+    : tree_(std::move(tree)),
+      conditions_(std::move(conditions)),
+      rows_(std::move(rows)),
+      closed_(std::move(closed)),
+      recorded_(is_of_constraints() ? std::move(recorded) : nullptr),
+      size_(size),
+      near_(1e-9 * closing::least_arm(*tree_, *conditions_)) {}
+
+RBDYN_INLINE TreeProjection::~TreeProjection() = default;
+
 RBDYN_INLINE void TreeProjection::apply(std::span<double> x, std::span<double> low, double /*step*/, double t) const {
-    using Real = long double;
     std::vector<Real> wide(x.size());
     for (std::size_t i = 0; i < x.size(); ++i) wide[i] = static_cast<Real>(x[i]) + static_cast<Real>(low[i]);
     const std::vector<Real> before = wide;
     closing::normalize<Real>(*tree_, wide);
     tree_->follow<Real>(t, wide.data());
-    if (!rows_.empty() || !closed_.empty()) {
-        const auto at = closing::moving<double>(*tree_, t, {x.begin(), x.end()});
-        const closing::Responses now(*tree_, *conditions_, rows_, at);
-        const std::optional<closing::Responses> other =
-            rows_ == closed_ ? std::nullopt : std::make_optional<closing::Responses>(*tree_, *conditions_, closed_, at);
-        // once is enough after a step of full accuracy
-        double last = std::numeric_limits<double>::infinity();
-        for (int pass = 0; pass < 3; ++pass) {
-            const auto gaps = conditions_->gaps<Real>(*tree_, closing::moving<Real>(*tree_, t, wide));
-            const std::vector<double> asked = closing::chosen(gaps, closed_);
-            const double left = closing::largest(asked);
-            if (left == 0.0 || left > 1e-3 * last) break;
-            // of what touches the rounding of these digits is left: the state has more of them
-            if (!conditions_->contacts().empty() && !conditions_->is_rough() &&
-                left <= 16.0 * std::numeric_limits<Real>::epsilon() * closing::extent(at))
-                break;
-            last = left;
-            closing::move<Real>(*tree_, t, (other ? *other : now).changes(asked), wide);
-            if (left < near_) break;
-        }
-        const auto moved = closing::moving<Real>(*tree_, t, wide);
-        std::vector<Real> rates;
-        for (const auto& row : conditions_->rows<Real>(*tree_, moved)) rates.push_back(Conditions::rate(row, moved));
-        const std::vector<double> changes = now.changes(closing::chosen(rates, rows_));
-        for (int k = 0; k < tree_->velocities(); ++k)
-            wide[static_cast<std::size_t>(tree_->positions() + k)] +=
-                static_cast<Real>(changes[static_cast<std::size_t>(k)]);
-        // what friction in joints holds stays where it is, to the bit
-        for (const int r : rows_)
-            if (const int body = conditions_->joint_of(r); body >= 0) {
-                const Node& n = tree_->node(body);
-                for (const int i : {n.q, tree_->positions() + n.v})
-                    wide[static_cast<std::size_t>(i)] = before[static_cast<std::size_t>(i)];
-            }
-    }
+    if (recorded_ != nullptr && values_ == nullptr)
+        if (const RecordedRows* const rows = (*recorded_)(*tree_, *conditions_, rows_, t, x))
+            values_ = std::make_unique<RowValues>(*rows, static_cast<int>(rows_.size()), tree_->velocities());
+    if (values_ != nullptr)
+        hold(*values_, x, wide, t);
+    else if (!rows_.empty() || !closed_.empty())
+        hold(x, wide, before, t);
     for (std::size_t i = 0; i < x.size(); ++i)
         if (wide[i] != before[i]) projecting::add(x, low, static_cast<int>(i), wide[i] - before[i]);
+}
+
+RBDYN_INLINE void TreeProjection::hold(RowValues& rows, std::span<const double> x, std::vector<Real>& wide,
+                                       double t) const {
+    rows.look(t, x);
+    const auto asked = [](std::span<const Real> off) {
+        std::vector<double> result;
+        for (const Real value : off) result.push_back(-static_cast<double>(value));
+        return result;
+    };
+    // once is enough after a step of full accuracy
+    double last = std::numeric_limits<double>::infinity();
+    for (int pass = 0; pass < 3; ++pass) {
+        const std::vector<double> gaps = asked(rows.gaps(t, wide));
+        const double left = closing::largest(gaps);
+        if (left == 0.0 || left > 1e-3 * last) break;
+        last = left;
+        closing::move<Real>(*tree_, t, rows.changes(gaps), wide);
+        if (left < near_) break;
+    }
+    add_to_velocities(rows.changes(asked(rows.rates(t, wide))), wide);
+}
+
+RBDYN_INLINE void TreeProjection::add_to_velocities(const std::vector<double>& changes, std::vector<Real>& wide) const {
+    for (int k = 0; k < tree_->velocities(); ++k)
+        wide[static_cast<std::size_t>(tree_->positions() + k)] +=
+            static_cast<Real>(changes[static_cast<std::size_t>(k)]);
+}
+
+RBDYN_INLINE void TreeProjection::hold(std::span<const double> x, std::vector<Real>& wide,
+                                       const std::vector<Real>& before, double t) const {
+    const auto at = closing::moving<double>(*tree_, t, {x.begin(), x.end()});
+    const closing::Responses now(*tree_, *conditions_, rows_, at);
+    const std::optional<closing::Responses> other =
+        rows_ == closed_ ? std::nullopt : std::make_optional<closing::Responses>(*tree_, *conditions_, closed_, at);
+    // once is enough after a step of full accuracy
+    double last = std::numeric_limits<double>::infinity();
+    for (int pass = 0; pass < 3; ++pass) {
+        const auto gaps = conditions_->gaps<Real>(*tree_, closing::moving<Real>(*tree_, t, wide));
+        const std::vector<double> asked = closing::chosen(gaps, closed_);
+        const double left = closing::largest(asked);
+        if (left == 0.0 || left > 1e-3 * last) break;
+        // of what touches the rounding of these digits is left: the state has more of them
+        if (!conditions_->contacts().empty() && !conditions_->is_rough() &&
+            left <= 16.0 * std::numeric_limits<Real>::epsilon() * closing::extent(at))
+            break;
+        last = left;
+        closing::move<Real>(*tree_, t, (other ? *other : now).changes(asked), wide);
+        if (left < near_) break;
+    }
+    const auto moved = closing::moving<Real>(*tree_, t, wide);
+    std::vector<Real> rates;
+    for (const auto& row : conditions_->rows<Real>(*tree_, moved)) rates.push_back(Conditions::rate(row, moved));
+    add_to_velocities(now.changes(closing::chosen(rates, rows_)), wide);
+    // what friction in joints holds stays where it is, to the bit
+    for (const int r : rows_)
+        if (const int body = conditions_->joint_of(r); body >= 0) {
+            const Node& n = tree_->node(body);
+            for (const int i : {n.q, tree_->positions() + n.v})
+                wide[static_cast<std::size_t>(i)] = before[static_cast<std::size_t>(i)];
+        }
 }
 
 RBDYN_INLINE Projection::Off TreeProjection::off(std::span<const double> x, std::span<const double> low,
                                                  double t) const {
     if (!(size_ > 0.0)) return {};
-    using Real = long double;
     std::vector<Real> wide(x.size());
     for (std::size_t i = 0; i < x.size(); ++i) wide[i] = static_cast<Real>(x[i]) + static_cast<Real>(low[i]);
     closing::normalize<Real>(*tree_, wide);

@@ -21,6 +21,7 @@
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/mechanics/closure.hpp"
 #include "rbdyn/mechanics/level.hpp"
+#include "rbdyn/mechanics/recorded_rows.hpp"
 #include "rbdyn/mechanics/speed_rounding.hpp"
 #include "rbdyn/mechanics/tree_writer.hpp"
 #include "rbdyn/model/acting.hpp"
@@ -546,9 +547,10 @@ RBDYN_INLINE std::unique_ptr<Structure> TreeModel::record(const Mode& mode, cons
     const std::vector<int> closed = closed_in(mode, moving(state.t, state.x));
     if ((turns || !kept_rows(mode).empty() || !closed.empty()) && !stands_still)
         result->equations.projection = [tree = tree_in(mode), conditions = conditions_, rows = kept_rows(mode), closed,
-                                        size = least_size(mode, moving(state.t, state.x))](std::span<const double>,
-                                                                                           std::span<const double>) {
-            return std::make_unique<const mechanics::TreeProjection>(tree, conditions, rows, closed, size);
+                                        size = least_size(mode, moving(state.t, state.x)),
+                                        recorded = std::make_shared<const mechanics::LazyRows>()](
+                                           std::span<const double>, std::span<const double>) {
+            return std::make_unique<const mechanics::TreeProjection>(tree, conditions, rows, closed, size, recorded);
         };
     return result;
 }

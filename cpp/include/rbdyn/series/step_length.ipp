@@ -90,8 +90,13 @@ RBDYN_INLINE double log_step(const double* size, int p, double scale, double log
         // a polynomial of low degree; what stands alone in the upper half may be the rounding of one computed as more,
         // or a series so small that its last terms are beyond where doubles end
         if (!(size[first] > std::sqrt(least_size))) return infinity;
-        return least_quotient(size, std::max(middle, first) + 1, p - 4, first,
-                              [&](int k) { return log_tolerance + from_first(k); });
+        const double of_first = least_quotient(size, std::max(middle, first) + 1, p - 4, first,
+                                               [&](int k) { return log_tolerance + from_first(k); });
+        if (!(scale > size[first])) return of_first;
+        // what is far beyond a motion that has hardly begun may count for nothing beside the scale
+        return std::max(of_first, least_quotient(size, std::max(middle, first) + 1, p - 4, 0, [&](int k) {
+                            return log_tolerance + rough_log2_ratio(scale, size[k]);
+                        }));
     }
     // how far the motion goes within a fraction of the radius that is typical of a step
     const double reach = 0.3 * rough_exp2(log_radius);
