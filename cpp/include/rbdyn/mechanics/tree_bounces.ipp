@@ -34,6 +34,18 @@ inline std::vector<DoubleDouble> wide(std::span<const double> x, std::span<const
 
 }  // namespace bouncing
 
+RBDYN_INLINE void TreeModel::make_attitudes_unit(std::span<double> x, std::span<double> rest) const {
+    const auto turns = [](const mechanics::Node& n) { return n.joint.attitude() >= 0; };
+    if (std::ranges::none_of(tree_->nodes(), turns)) return;
+    std::vector<DoubleDouble> wide = bouncing::wide(x, rest);
+    // what a piece leaves of it, and then what is left of that
+    for (int pass = 0; pass < 2; ++pass) mechanics::closing::normalize<DoubleDouble>(*tree_, wide);
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        x[i] = wide[i].hi;
+        rest[i] = wide[i].lo;
+    }
+}
+
 RBDYN_INLINE bool TreeModel::goes_on_bouncing(int contact, double t, double flight, double speed,
                                               const std::vector<mechanics::Moving<double>>& all) const {
     const double e = conditions_->contacts()[at(contact)].restitution;

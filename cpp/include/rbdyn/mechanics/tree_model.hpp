@@ -347,6 +347,10 @@ private:
     /// short as the rounding of the time. `came` [m/s]: the speed of the fastest that has struck.
     std::vector<int> accumulating(const Mode& after, double t, std::span<const double> x, std::span<const double> rest,
                                   const std::vector<int>& closed, double came, LeftOut& left) const;
+    /// Attitudes that a step leaves with a norm that is 1 but for its error, as they are where contacts change: what is
+    /// recorded of them has their length, what is computed here has not, and a rate that is less than the one beside
+    /// the other would be another one.
+    void make_attitudes_unit(std::span<double> x, std::span<double> rest) const;
     /// Whether a contact that came with a speed and strikes alone, after a flight, has bounces left that are longer
     /// than the rounding of the time.
     bool goes_on_bouncing(int contact, double t, double flight, double speed,

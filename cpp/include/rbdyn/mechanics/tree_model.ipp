@@ -271,6 +271,8 @@ RBDYN_INLINE Mode TreeModel::next(const Mode& mode, std::span<const int> fired, 
 RBDYN_INLINE Mode TreeModel::next_with_rest(const Mode& mode, std::span<const int> fired, double t, std::span<double> x,
                                             std::span<double> rest, std::span<const double> largest,
                                             std::vector<Happening>& happenings) const {
+    if (std::ranges::any_of(fired, [&](int g) { return mode.equations->guards[at(g)].contact >= 0; }))
+        make_attitudes_unit(x, rest);
     const std::vector<double> reached(x.begin(), x.end());
     // what is set is short of nothing
     const auto forget = [&] {

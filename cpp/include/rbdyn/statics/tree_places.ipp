@@ -212,6 +212,7 @@ RBDYN_INLINE std::vector<double> TreeForces::units_of_positions() const {
     for (const mechanics::Node& n : tree().nodes())
         for (int k = 0; k < n.joint.positions(); ++k)
             result.push_back(unit_of(n, std::min(k, n.joint.velocities() - 1)));
+    for (const mechanics::Foot& foot : tree().feet()) result.push_back(foot.part());
     return result;
 }
 
