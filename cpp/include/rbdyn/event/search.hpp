@@ -161,7 +161,7 @@ private:
     /// The value of a guard on the piece, by the digits that the state has beyond doubles.
     double fine_value(const Mode& mode, const Guard& guard, double tau);
     /// The first coefficient of a gap that is low where the piece begins; none: it is not.
-    std::optional<double> low_gap(const Mode& mode, const Guard& guard, const series::Coefficients& q);
+    std::optional<double> low_gap(const Mode& mode, const Guard& guard, std::size_t g, const series::Coefficients& q);
     /// Where a low gap is zero near a place of the piece.
     double polished_low(const Mode& mode, const Guard& guard, double cut, double slope);
     /// Whether rounding of its terms moves the zero of a guard by more than the times of it are rounded.
@@ -332,7 +332,7 @@ private:
     series::RootFinder root_finder_;
     std::vector<double> roots_;
     int degree_ = 0;
-    bool stops_ = false, at_start_ = false, begins_ = false, rounds_otherwise_ = false;
+    bool stops_ = false, at_start_ = false, begins_ = false, is_fresh_ = false, rounds_otherwise_ = false;
     std::int64_t roundings_ = 0;          // otherwise, so far
     std::optional<bool> begins_on_edge_;  // none: not asked yet
     std::optional<AtZero> zeros_;         // where the mode begins; none: not asked yet

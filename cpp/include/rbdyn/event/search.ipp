@@ -79,6 +79,7 @@ RBDYN_INLINE void EventSearch::set_crowded(int crowded) {
 RBDYN_INLINE double EventSearch::examine(Record& record, const Mode& mode, bool fresh, bool is_last) {
     const std::vector<Guard>& guards = mode.equations->guards;
     fired_.clear();
+    is_fresh_ = fresh;
     stops_ = false;
     broken_ = nullptr;
     touch_ = std::numeric_limits<double>::infinity();
@@ -354,7 +355,7 @@ RBDYN_INLINE double EventSearch::polished(const Mode& mode, double cut) {
         return polished_low(mode, guard, cut, slope);
     if (mode.equations->is_variable(guard) && !engine_.refines()) return cut;
     const Piece& piece = engine_.piece();
-    if (is_gap(mode, guard, at(fired_.front())) && cut < 0.5 * piece.length &&
+    if (is_gap(mode, guard, at(fired_.front())) && (cut < 0.5 * piece.length || !is_fresh_) &&
         std::abs(slope) * cut <= low_gaps * size_of_terms(mode, piece.start.hi, state_of_piece(0.0), guard.output))
         return polished_low(mode, guard, cut, slope);
     if (guard.kind == EventKind::slip && is_passed_barely(mode, guard, cut, slope))
@@ -439,7 +440,7 @@ RBDYN_INLINE void EventSearch::seek(const Mode& mode, const std::vector<Guard>& 
     // a force that touches zero, but for what rounding has made of the motion so far, pushes on
     if (guard.kind == EventKind::detach && guard.contact >= 0) arrival.dips = deepest_dip;
     std::optional<double> fine;
-    if (!arrival.at_zero && is_gap(mode, guard, g)) fine = low_gap(mode, guard, q);
+    if (!arrival.at_zero && is_gap(mode, guard, g)) fine = low_gap(mode, guard, g, q);
     if (fine) {
         q[0] = sign * *fine;
         arrival.at_zero = q[0] == 0.0;

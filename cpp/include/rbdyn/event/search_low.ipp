@@ -22,7 +22,7 @@
 namespace rbdyn::inline RBDYN_FORM {
 
 RBDYN_INLINE bool EventSearch::is_gap(const Mode& mode, const Guard& guard, std::size_t g) const {
-    return guard.contact >= 0 && guard.kind == EventKind::land && guard.output >= 0 && !handled(g) &&
+    return guard.contact >= 0 && guard.kind == EventKind::land && guard.output >= 0 && !(handled(g) && is_fresh_) &&
            model_.follows_bounces(mode);
 }
 
@@ -57,12 +57,15 @@ RBDYN_INLINE double EventSearch::fine_value(const Mode& mode, const Guard& guard
     return static_cast<double>(fine_->output(guard.output));
 }
 
-RBDYN_INLINE std::optional<double> EventSearch::low_gap(const Mode& mode, const Guard& guard,
+RBDYN_INLINE std::optional<double> EventSearch::low_gap(const Mode& mode, const Guard& guard, std::size_t g,
                                                         const series::Coefficients& q) {
-    // far beside what it may become on the piece it is not low, or does not matter
-    if (degree_ < 2 || std::abs(q[0]) > 0x1p-10 * (std::abs(q[1]) + std::abs(q[2]))) return std::nullopt;
+    // far beside what it may become on the piece it is not low, or does not matter; but what has been struck may come
+    // back on a later piece, which begins where rounding is much of it
+    constexpr double told = 0x1p-26;
+    const bool is_lowest = std::abs(q[0]) <= 0x1p-10 * (std::abs(q[1]) + std::abs(q[2]));
+    if (degree_ < 2 || !(is_lowest || (handled(g) && !is_fresh_))) return std::nullopt;
     const double size = size_of_terms(mode, engine_.piece().start.hi, state_of_piece(0.0), guard.output);
-    if (std::abs(q[0]) > low_gaps * size) return std::nullopt;
+    if (std::abs(q[0]) > (is_lowest ? low_gaps : epsilon / told) * size) return std::nullopt;
     const double value = fine_value(mode, guard, 0.0);
     // what is open is not inside: it is at its surface, but for the rounding of these digits or of the place it was
     // found
@@ -78,14 +81,16 @@ RBDYN_INLINE bool EventSearch::is_passed_barely(const Mode& mode, const Guard& g
 
 RBDYN_INLINE double EventSearch::polished_low(const Mode& mode, const Guard& guard, double cut, double slope) {
     double best = std::numeric_limits<double>::infinity(), place = cut;
+    // how far the rounding of doubles may have moved it, which may be a part of the whole way
+    const double off = 4.0 * value_rounding(mode, guard, cut / engine_.piece().length) / std::abs(slope),
+                 most = std::max(1e-3 * cut, std::min(off, 0.5 * cut));
     for (int iteration = 0; iteration < 4; ++iteration) {
         const double g = fine_value(mode, guard, place);
         if (!(std::abs(g) < best)) break;
         best = std::abs(g);
         cut = place;
         place = cut - g / slope;
-        if (!(std::abs(place - cut) < 1e-3 * cut) || place == cut || place <= 0.0 || place > engine_.piece().length)
-            break;
+        if (!(std::abs(place - cut) < most) || place == cut || place <= 0.0 || place > engine_.piece().length) break;
     }
     return cut;
 }

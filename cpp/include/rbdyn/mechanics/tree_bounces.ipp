@@ -238,6 +238,12 @@ RBDYN_INLINE std::vector<int> TreeModel::accumulating(const Mode& after, double 
     // them
     const bool is_mixed = is_coarse && left.slid && follows_together(after);
     const double shortest = (is_mixed ? mixed_bounce : 64.0) * epsilon * std::abs(t);
+    // a slip that a force distinguishes by its speed takes many pieces for each flight, none of them shorter than that
+    const bool is_distinguished =
+        conditions_->is_rough() && std::ranges::any_of(after.equations->guards, [](const Guard& g) {
+            return g.kind == EventKind::switching && !g.is_watched();
+        });
+    const double least_flight = (is_distinguished ? 4096.0 : 2.0) * epsilon * std::abs(t);
     std::vector<double> gaps;
     if (contacts() > 1) gaps = fine_gaps(t, x, rest);
     for (int k = 0; k < contacts(); ++k)
@@ -265,9 +271,9 @@ RBDYN_INLINE std::vector<int> TreeModel::accumulating(const Mode& after, double 
         left.pull = std::max(left.pull, -w[i]);
         const double next = 2.0 * u / -w[i];
         const double e = conditions_->contacts()[at(k)].restitution;
-        const bool is_shortest = is_coarse ? (!is_mixed && height <= lowest(k)) || next <= shortest
-                                           : next <= 2.0 * epsilon * std::abs(t) ||
-                                                 (e > 0.0 ? e : 1.0) * u <= slowest_bounce * speed_of(k, all);
+        const bool is_shortest =
+            is_coarse ? (!is_mixed && height <= lowest(k)) || next <= shortest
+                      : next <= least_flight || (e > 0.0 ? e : 1.0) * u <= slowest_bounce * speed_of(k, all);
         if (!is_coarse && !is_shortest) continue;
         if (!is_shortest) return {};
         // bounces get shorter by the coefficient of restitution, or as this impact has made speeds

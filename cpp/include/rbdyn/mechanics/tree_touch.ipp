@@ -94,12 +94,13 @@ struct TreeModel::Encounter {
     void tell();
 };
 
-/// Bounces of several contacts, so low that doubles do not tell how high each of them is.
+/// Bounces of several contacts, or with friction, so low that doubles do not tell how high each of them is.
 RBDYN_INLINE bool TreeModel::Encounter::is_low(int k) {
     // where friction rubs between them the digits beyond doubles tell as well what comes now and what later
     const bool is_free = model.joints_.empty() && model.resistances() == 0;
     const bool is_known = model.follows_together(mode) || (model.conditions_->is_rough() && is_free);
-    return model.contacts() > 1 && is_known && flight > 4.0 * epsilon * std::abs(t) &&
+    return (model.contacts() > 1 || model.conditions_->is_rough()) && is_known &&
+           flight > 4.0 * epsilon * std::abs(t) &&
            std::abs(rate(all, k)) * flight <= low_bounce * model.size_of(k, all);
 }
 
@@ -163,8 +164,7 @@ RBDYN_INLINE void TreeModel::Encounter::strike() {
     const bool is_alone = closed.size() == 1 && landing.size() == 1 && model.rows_.empty() &&
                           model.resistances() == 0 && model.joints_.empty() && !model.conditions_->is_rough() &&
                           rate(all, closed.front()) < -1e-14 * model.speed_of(closed.front(), all);
-    const bool are_low =
-        model.contacts() > 1 && std::any_of(landing.begin(), landing.end(), [&](int k) { return is_low(k); });
+    const bool are_low = std::any_of(landing.begin(), landing.end(), [&](int k) { return is_low(k); });
     double made_alone = 0.0;
     if (is_alone) {
         std::tie(impulses[at(closed.front())], made_alone) =
