@@ -19,6 +19,7 @@
 #include "rbdyn/basics/instant.hpp"
 #include "rbdyn/expression/rounding_sizes.hpp"
 #include "rbdyn/mechanics/closure.hpp"
+#include "rbdyn/mechanics/contact_state.hpp"
 #include "rbdyn/mechanics/tree_model.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
@@ -225,7 +226,12 @@ RBDYN_INLINE std::vector<int> TreeModel::accumulating(const Mode& after, double 
     // where what slid flies with them no ratio says how they go on: they are followed as far as doubles have digits of
     // them
     const bool is_mixed = is_coarse && left.slid && follows_together(after);
-    const double shortest = (is_mixed ? mixed_bounce : 64.0) * epsilon * std::abs(t);
+    const double few = mixed_bounce * epsilon * std::abs(t), shortest = is_mixed ? few : 64.0 * epsilon * std::abs(t);
+    // slips slower than this have no direction, so that friction beside no longer takes from bounces what it should
+    double slowest_slip = 0.0;
+    for (const int k : closed)
+        if (is_rough(k) && mechanics::contact_state::slides(after.slip[at(k)]))
+            slowest_slip = std::max(slowest_slip, mechanics::ContactMemory::of(after.memory, k).least);
     std::vector<double> gaps;
     if (contacts() > 1) gaps = fine_gaps(t, x, rest);
     for (int k = 0; k < contacts(); ++k)
@@ -253,7 +259,8 @@ RBDYN_INLINE std::vector<int> TreeModel::accumulating(const Mode& after, double 
         left.pull = std::max(left.pull, -w[i]);
         const double next = 2.0 * u / -w[i];
         const double e = conditions_->contacts()[at(k)].restitution;
-        const bool is_shortest = is_coarse ? (!is_mixed && height <= lowest(k)) || next <= shortest
+        const bool is_slowest = u <= slowest_slip && next <= few;
+        const bool is_shortest = is_coarse ? (!is_mixed && height <= lowest(k)) || next <= shortest || is_slowest
                                            : next <= 2.0 * epsilon * std::abs(t) ||
                                                  (e > 0.0 ? e : 1.0) * u <= slowest_bounce * speed_of(k, all);
         if (!is_coarse && !is_shortest) continue;
@@ -263,7 +270,8 @@ RBDYN_INLINE std::vector<int> TreeModel::accumulating(const Mode& after, double 
         // what is as quick as it came but for rounding has no end
         const double measured = came > 0.0 ? u / came : 1.0, ratio = is_known ? e : measured < 0.999 ? measured : 1.0;
         // those that do not are no bounces once they are far below rounding
-        if (is_coarse && ratio >= 1.0 && height > 1e-3 * lowest(k) && next > 64.0 * epsilon * std::abs(t)) return {};
+        const bool goes_on = height > 1e-3 * lowest(k) && next > 64.0 * epsilon * std::abs(t) && !is_slowest;
+        if (is_coarse && ratio >= 1.0 && goes_on) return {};
         const double sum = next / (1.0 - (ratio < 1.0 ? ratio : 0.9));
         // where this impact tells nothing it may be any time of that size
         if (!(ratio < 1.0)) left.unsure = std::max(left.unsure, sum);
