@@ -94,7 +94,7 @@ RBDYN_INLINE TreeModel::Touched TreeModel::touched(const Mode& before, double t,
         const bool resists = c.is_rough() && !(strikes && c.mu_dynamic.is_zero());
         if (c.is_rough() && !strikes) {
             const bool slid = mechanics::contact_state::slides(before.slip[at(k)]) ||
-                              (joints_.empty() && mechanics::contact_state::is_given(before.slip[at(k)]));
+                              mechanics::contact_state::is_given(before.slip[at(k)]);
             const double speed = one.slip.norm(),
                          last = slid ? mechanics::ContactMemory::of(before.memory, k).least : 0.0;
             // what never slips has rounding of a speed, but where it had to
@@ -173,8 +173,6 @@ RBDYN_INLINE void TreeModel::settle_rough(const Mode& before, Mode& mode, double
         // on the edge of its cone it is held unless the next moment takes it out; on those of all that share a load
         // none is held then
         const bool shares = shares_load(mode);
-        // friction in joints shares by rules of its own
-        if (shares && !joints_.empty()) break;
         std::vector<int> on_edge;
         bool leaves = false;
         Evaluator<double> values(mode.equations->program);
