@@ -42,8 +42,8 @@ def test_nothing_is_wrong_and_each_end_has_a_name(kind, rough):
 
 
 def test_bounces_beside_what_slides_come_to_an_end():
-    """A rod between floor and wall, thrown back by the floor as fast as it came: the wall takes from it what ends it, down
-    to speeds at which its slip there has no direction."""
+    """A rod between floor and wall, thrown back by the floor as fast as it came: the wall takes from it what ends it,
+    down to speeds at which its slip there has no direction."""
     assert contact_endings.outcome("planar", 2136, True, OPTIONS) == ("reached its end", [])
     scene, _, _ = contact_endings.built("planar", 2136, True)
     run = rb.simulate(scene, contact_endings.UNTIL, **OPTIONS)

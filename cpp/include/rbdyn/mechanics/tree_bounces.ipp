@@ -101,7 +101,9 @@ RBDYN_INLINE std::vector<int> TreeModel::collapsing(const Mode& before, const Mo
     double first = 0.0;
     std::vector<int> near;
     for (int k = 0; k < contacts(); ++k)
-        if (!conditions_->contacts()[at(k)].is_gone && gaps[at(k)] <= 1e-13 * size_of(k, all)) near.push_back(k);
+        if (const double late = 4.0 * epsilon * std::abs(t) * speed_of(k, all);
+            !conditions_->contacts()[at(k)].is_gone && gaps[at(k)] <= std::max(1e-13 * size_of(k, all), late))
+            near.push_back(k);
     for (const int k : near) first = std::max(first, -u[at(k)]);
     std::erase_if(near, [&](int k) {
         return after.slip[at(k)] == flies && gaps[at(k)] > 16.0 * epsilon * (size_of(k, all) + first * std::abs(t));

@@ -75,8 +75,9 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
     const auto breaks = [&](int k) { return std::find(breaking.begin(), breaking.end(), k) != breaking.end(); };
     const Mode undecided = mode;
     mechanics::ConeForces found;
-    // what comes to its edge goes past it
-    const bool on_edges = fired.breaking.empty();
+    // what comes to its edge goes past it, and so does what shares its load with a joint that does
+    const bool on_edges =
+        fired.breaking.empty() && (joints_.empty() || (fired.rubbed_breaking.empty() && fired.doubtful.empty()));
     // forces shared anew at this very instant that are at an edge again: no time is left in which some inside go on
     bool is_over = false;
     for (int k = 0; k < contacts() && !fired.breaking.empty() && shares_load(before); ++k)

@@ -70,7 +70,11 @@ struct TreeModel::Encounter {
         return mechanics::Conditions::rate(row_of(k), motion);
     }
     bool is_open(int k) const { return mode.slip[at(k)] == flies && !law(k).is_gone; }
-    bool is_close(int k) { return std::abs(touching_of(k).gap) <= 1e-13 * model.size_of(k, all); }
+    /// What is at a place has no size of its own where that is the surface's: it is known as its time is.
+    bool is_close(int k) {
+        const double late = 4.0 * epsilon * std::abs(t) * model.speed_of(k, all);
+        return std::abs(touching_of(k).gap) <= std::max(1e-13 * model.size_of(k, all), late);
+    }
     bool is_slow(int k) { return rate(all, k) <= 1e-13 * model.speed_of(k, all); }
     static bool is_in(const std::vector<int>& list, int k) {
         return std::find(list.begin(), list.end(), k) != list.end();
