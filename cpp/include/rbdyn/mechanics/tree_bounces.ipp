@@ -229,7 +229,8 @@ RBDYN_INLINE std::vector<int> TreeModel::accumulating(const Mode& after, double 
     // them
     const bool is_mixed = is_coarse && left.slid && follows_together(after);
     const double few = mixed_bounce * epsilon * std::abs(t), shortest = is_mixed ? few : 64.0 * epsilon * std::abs(t);
-    // slips slower than this have no direction, so that friction beside no longer takes from bounces what it should
+    // slips slower than this have no direction: friction beside no longer takes from what is thrown back without loss
+    // what ends it
     double slowest_slip = 0.0;
     for (const int k : closed)
         if (is_rough(k) && mechanics::contact_state::slides(after.slip[at(k)]))
@@ -261,7 +262,7 @@ RBDYN_INLINE std::vector<int> TreeModel::accumulating(const Mode& after, double 
         left.pull = std::max(left.pull, -w[i]);
         const double next = 2.0 * u / -w[i];
         const double e = conditions_->contacts()[at(k)].restitution;
-        const bool is_slowest = u <= slowest_slip && next <= few;
+        const bool is_slowest = e >= 1.0 && u <= slowest_slip && next <= few;
         const bool is_shortest = is_coarse ? (!is_mixed && height <= lowest(k)) || next <= shortest || is_slowest
                                            : next <= 2.0 * epsilon * std::abs(t) ||
                                                  (e > 0.0 ? e : 1.0) * u <= slowest_bounce * speed_of(k, all);
