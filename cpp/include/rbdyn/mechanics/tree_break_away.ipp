@@ -80,7 +80,8 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
         fired.breaking.empty() && (joints_.empty() || (fired.rubbed_breaking.empty() && fired.doubtful.empty()));
     // forces shared anew at this very instant that are at an edge again: no time is left in which some inside go on
     bool is_over = false;
-    for (int k = 0; k < contacts() && !fired.breaking.empty() && shares_load(before); ++k)
+    const bool is_any = !(fired.breaking.empty() && fired.doubtful.empty());
+    for (int k = 0; k < contacts() && is_any && shares_load(before); ++k)
         if (const auto memory = mechanics::ContactMemory::of(before.memory, k);
             is_held(before.slip[at(k)]) && memory.shares)
             is_over = is_over || t - memory.since <= 16.0 * epsilon * std::abs(t);
