@@ -9,6 +9,7 @@
 #include "rbdyn/mechanics/plane_choice.ipp"
 #include "rbdyn/mechanics/tree_bounces.ipp"
 #include "rbdyn/mechanics/tree_contacts.ipp"
+#include "rbdyn/mechanics/tree_endings.ipp"
 #include "rbdyn/mechanics/tree_friction.ipp"
 #include "rbdyn/mechanics/tree_joint_contacts.ipp"
 #include "rbdyn/mechanics/tree_joint_strikes.ipp"

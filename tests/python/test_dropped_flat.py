@@ -225,3 +225,31 @@ def test_what_slides_on_a_block_that_bounces_flat_bounces_with_it(restitution, f
             speed = run[body].velocity(strike, side="after")[1]
             assert abs(speed - g * first * e**flights) < 1e-12
     assert abs(run[bead].position(run.end)[1] - run[block].position(run.end)[1] - half) < 1e-12
+
+
+@pytest.mark.parametrize("speed", [0.125, -0.5])
+@pytest.mark.parametrize("mu", [0.1, 0.3, 0.6])
+@pytest.mark.parametrize("restitution", [0.0, 0.25, 0.8])
+@pytest.mark.parametrize("e", [0.2, 0.5, 0.7])
+def test_what_sticks_to_a_block_that_bounces_flat_bounces_on_with_it(speed, mu, restitution, e):
+    """An impact stops the bead on the block; then neither presses the other in flight, and both bounce as one does.
+    It went on switching there, for rounding said that a force of zero had come to the edge of its cone."""
+    g, fall, half = 1.0, 0.75, 0.25
+    scene = rb.Scene(gravity=[0, -g, 0])
+    block = scene.add(rb.RigidBody(1.0, [0.1] * 3), rb.Planar([1, 0, 0], [0, 1, 0]), position=[0, half + fall])
+    bead = scene.add(rb.Particle(2.0), position=[0, 2 * half + fall, 0], velocity=[speed, 0, 0])
+    for x in (-0.5, 0.5):
+        scene.contact(block.point([x, -half, 0]), rb.Plane([0, 1, 0]), restitution=e, name=f"{x}")
+    top = block.plane([0, 1, 0], [0, half, 0])
+    scene.contact(bead, top, restitution=restitution, friction=rb.Coulomb(mu), name="bead")
+    first = math.sqrt(2 * fall / g)
+    end = first * (1 + 2 * e / (1 - e))
+    run = rb.simulate(scene, end + 0.5, rtol=1e-12, max_steps=5000)
+    assert run.status == "reached end"
+    flights = first * (1 + 2 * np.cumsum(e ** np.arange(1, 8)))
+    strikes = [event.time for event in run.events if event.kind == "impact" and event.name == "0.5"]
+    assert strikes[1:7] == pytest.approx(flights[:6], rel=1e-12)
+    assert max(event.time for event in run.events) == pytest.approx(end, rel=1e-9)
+    for body in (block, bead):
+        assert run[body].velocity(run.end) == pytest.approx([2 * speed / 3, 0, 0], abs=1e-12)
+    assert run[bead].position(run.end)[1] == pytest.approx(2 * half, abs=1e-12)

@@ -60,6 +60,24 @@ def test_just_beyond_the_edge_it_slides_uniformly(kind, slope, part, angle):
     assert np.linalg.norm(run[body].position(until) - [0, 0, 0.05] - distance * along) < 8e-15 / part * distance + 1e-12
 
 
+@pytest.mark.parametrize(
+    ("kind", "slope", "part"), [(3, 0.3, 0.0), (3, 0.3, 1e-3), ("box", 0.61, 1e-3), (5, 0.1, 1e-3)]
+)
+def test_feet_that_carry_a_wheel_on_a_rough_pin_do_what_they_do_without(kind, slope, part):
+    """The wheel is balanced, and what slides straight does not turn it."""
+    along = np.array([np.cos(0.9), np.sin(0.9), 0.0])
+    scene = rb.Scene(gravity=g * (np.sin(slope) * along - np.cos(slope) * np.array([0, 0, 1.0])))
+    mu = np.tan(slope) * (1 - part)
+    body = block(scene, feet_on(kind, 0.2), rb.Coulomb(mu), rb.Plane([0, 0, 1]))
+    pin = rb.Revolute([0, 0, 1], friction=rb.Coulomb(0.3), pin_radius=0.01)
+    wheel = scene.add(rb.RigidBody(0.4, [0.001, 0.001, 0.002]), pin, parent=body)
+    until = 100.0
+    run = rb.simulate(scene, until, rtol=1e-12, max_steps=2000)
+    distance = (g * np.sin(slope) - mu * g * np.cos(slope)) * until**2 / 2 if part else 0.0
+    assert np.linalg.norm(run[body].position(until) - [0, 0, 0.05] - distance * along) < 1e-11 * distance + 1e-15
+    assert abs(run[wheel].rate(until)) < 1e-12
+
+
 @pytest.mark.parametrize(("count", "mus"), [(3, (0.3, 0.3)), (4, (0.3, 0.3)), (6, (0.3, 0.3)), (4, (0.3, 0.25))])
 def test_a_round_table_that_is_turned_begins_to_pivot(count, mus):
     """By symmetry each foot bears the same: I w' = tau sin(w t) - mu m g R."""

@@ -159,6 +159,7 @@
 #include "rbdyn/mechanics/tree_change.ipp"
 #include "rbdyn/mechanics/tree_contacts.ipp"
 #include "rbdyn/mechanics/tree_drives.ipp"
+#include "rbdyn/mechanics/tree_endings.ipp"
 #include "rbdyn/mechanics/tree_friction.ipp"
 #include "rbdyn/mechanics/tree_guards.ipp"
 #include "rbdyn/mechanics/tree_joint_contacts.ipp"

@@ -19,6 +19,7 @@
 #include "rbdyn/basics/instant.hpp"
 #include "rbdyn/expression/rounding_sizes.hpp"
 #include "rbdyn/mechanics/closure.hpp"
+#include "rbdyn/mechanics/contact_state.hpp"
 #include "rbdyn/mechanics/tree_model.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
@@ -112,7 +113,9 @@ RBDYN_INLINE std::vector<int> TreeModel::collapsing(const Mode& before, const Mo
     double first = 0.0;
     std::vector<int> near;
     for (int k = 0; k < contacts(); ++k)
-        if (!conditions_->contacts()[at(k)].is_gone && gaps[at(k)] <= 1e-13 * size_of(k, all)) near.push_back(k);
+        if (const double late = 4.0 * epsilon * std::abs(t) * speed_of(k, all);
+            !conditions_->contacts()[at(k)].is_gone && gaps[at(k)] <= std::max(1e-13 * size_of(k, all), late))
+            near.push_back(k);
     for (const int k : near) first = std::max(first, -u[at(k)]);
     std::erase_if(near, [&](int k) {
         return after.slip[at(k)] == flies && gaps[at(k)] > 16.0 * epsilon * (size_of(k, all) + first * std::abs(t));
@@ -237,13 +240,19 @@ RBDYN_INLINE std::vector<int> TreeModel::accumulating(const Mode& after, double 
     // where what slid flies with them no ratio says how they go on: they are followed as far as doubles have digits of
     // them
     const bool is_mixed = is_coarse && left.slid && follows_together(after);
-    const double shortest = (is_mixed ? mixed_bounce : 64.0) * epsilon * std::abs(t);
+    const double few = mixed_bounce * epsilon * std::abs(t), shortest = is_mixed ? few : 64.0 * epsilon * std::abs(t);
     // a slip that a force distinguishes by its speed takes many pieces for each flight, none of them shorter than that
     const bool is_distinguished =
         conditions_->is_rough() && std::ranges::any_of(after.equations->guards, [](const Guard& g) {
             return g.kind == EventKind::switching && !g.is_watched();
         });
     const double least_flight = (is_distinguished ? 4096.0 : 2.0) * epsilon * std::abs(t);
+    // slips slower than this have no direction: friction beside no longer takes from what is thrown back without loss
+    // what ends it
+    double slowest_slip = 0.0;
+    for (const int k : closed)
+        if (is_rough(k) && mechanics::contact_state::slides(after.slip[at(k)]))
+            slowest_slip = std::max(slowest_slip, mechanics::ContactMemory::of(after.memory, k).least);
     std::vector<double> gaps;
     if (contacts() > 1) gaps = fine_gaps(t, x, rest);
     for (int k = 0; k < contacts(); ++k)
@@ -271,8 +280,9 @@ RBDYN_INLINE std::vector<int> TreeModel::accumulating(const Mode& after, double 
         left.pull = std::max(left.pull, -w[i]);
         const double next = 2.0 * u / -w[i];
         const double e = conditions_->contacts()[at(k)].restitution;
+        const bool is_slowest = e >= 1.0 && u <= slowest_slip && next <= few;
         const bool is_shortest =
-            is_coarse ? (!is_mixed && height <= lowest(k)) || next <= shortest
+            is_coarse ? (!is_mixed && height <= lowest(k)) || next <= shortest || is_slowest
                       : next <= least_flight || (e > 0.0 ? e : 1.0) * u <= slowest_bounce * speed_of(k, all);
         if (!is_coarse && !is_shortest) continue;
         if (!is_shortest) return {};
@@ -281,7 +291,8 @@ RBDYN_INLINE std::vector<int> TreeModel::accumulating(const Mode& after, double 
         // what is as quick as it came but for rounding has no end
         const double measured = came > 0.0 ? u / came : 1.0, ratio = is_known ? e : measured < 0.999 ? measured : 1.0;
         // those that do not are no bounces once they are far below rounding
-        if (is_coarse && ratio >= 1.0 && height > 1e-3 * lowest(k) && next > 64.0 * epsilon * std::abs(t)) return {};
+        const bool goes_on = height > 1e-3 * lowest(k) && next > 64.0 * epsilon * std::abs(t) && !is_slowest;
+        if (is_coarse && ratio >= 1.0 && goes_on) return {};
         const double sum = next / (1.0 - (ratio < 1.0 ? ratio : 0.9));
         // where this impact tells nothing it may be any time of that size
         if (!(ratio < 1.0)) left.unsure = std::max(left.unsure, sum);

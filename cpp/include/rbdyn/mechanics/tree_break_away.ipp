@@ -51,8 +51,7 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
     std::vector<int> stopping = at_rest;
     if (!fired.stopping.empty())
         for (const int k : candidates) {
-            if (!slides(before.slip[at(k)]) && !(joints_.empty() && is_given(before.slip[at(k)]) && is_rough(k)))
-                continue;
+            if (!slides(before.slip[at(k)]) && !(is_given(before.slip[at(k)]) && is_rough(k))) continue;
             const double speed = conditions_->contacts()[at(k)].touching<double>(*tree_, all).slip().norm();
             if (speed <= 16.0 * mechanics::ContactMemory::of(before.memory, k).least) stopping.push_back(k);
         }
@@ -76,11 +75,13 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
     const auto breaks = [&](int k) { return std::find(breaking.begin(), breaking.end(), k) != breaking.end(); };
     const Mode undecided = mode;
     mechanics::ConeForces found;
-    // what comes to its edge goes past it
-    const bool on_edges = fired.breaking.empty() && joints_.empty();
+    // what comes to its edge goes past it, and so does what shares its load with a joint that does
+    const bool on_edges =
+        fired.breaking.empty() && (joints_.empty() || (fired.rubbed_breaking.empty() && fired.doubtful.empty()));
     // forces shared anew at this very instant that are at an edge again: no time is left in which some inside go on
     bool is_over = false;
-    for (int k = 0; k < contacts() && !fired.breaking.empty() && shares_load(before); ++k)
+    const bool is_any = !(fired.breaking.empty() && fired.doubtful.empty());
+    for (int k = 0; k < contacts() && is_any && shares_load(before); ++k)
         if (const auto memory = mechanics::ContactMemory::of(before.memory, k);
             is_held(before.slip[at(k)]) && memory.shares)
             is_over = is_over || t - memory.since <= 16.0 * epsilon * std::abs(t);
@@ -152,12 +153,11 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
             more.push_back(candidates[i]);
             held.states[i] = ConeState::held;
             // where something slides already forces are found one after the other, to less than their rounding
-            if (slides && !is_still(i) && (!joints_.empty() || rate_of(i) > 1e-7 * fastest))
-                moving_off.push_back(candidates[i]);
+            if (slides && !is_still(i) && rate_of(i) > 1e-7 * fastest) moving_off.push_back(candidates[i]);
         }
         if (more.empty()) break;
         // what moves off does so first: beside it others may be on the edges of their cones by choice
-        if (!is_over && !moving_off.empty() && joints_.empty()) more = moving_off;
+        if (!is_over && !moving_off.empty()) more = moving_off;
         const bool is_slip = is_over || !moving_off.empty();
         // of forces that are one choice of many some are on an edge, and what slides there by rounding alone is held if
         // there are others

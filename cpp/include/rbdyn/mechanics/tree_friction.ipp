@@ -94,7 +94,7 @@ RBDYN_INLINE TreeModel::Touched TreeModel::touched(const Mode& before, double t,
         const bool resists = c.is_rough() && !(strikes && c.mu_dynamic.is_zero());
         if (c.is_rough() && !strikes) {
             const bool slid = mechanics::contact_state::slides(before.slip[at(k)]) ||
-                              (joints_.empty() && mechanics::contact_state::is_given(before.slip[at(k)]));
+                              mechanics::contact_state::is_given(before.slip[at(k)]);
             const double speed = one.slip.norm(),
                          last = slid ? mechanics::ContactMemory::of(before.memory, k).least : 0.0;
             // what never slips has rounding of a speed, but where it had to
@@ -173,8 +173,6 @@ RBDYN_INLINE void TreeModel::settle_rough(const Mode& before, Mode& mode, double
         // on the edge of its cone it is held unless the next moment takes it out; on those of all that share a load
         // none is held then
         const bool shares = shares_load(mode);
-        // friction in joints shares by rules of its own
-        if (shares && !joints_.empty()) break;
         std::vector<int> on_edge;
         bool leaves = false;
         Evaluator<double> values(mode.equations->program);
@@ -253,97 +251,6 @@ RBDYN_INLINE void TreeModel::turn(const Mode& before, Mode& mode, double t, std:
         is = states::is_given(is) ? states::given(next) : next;
     }
     choose(mode, t, x, {});
-}
-
-RBDYN_INLINE std::vector<int> TreeModel::ending(const Mode& before, double t, std::span<const double> x,
-                                                const Fired& fired) const {
-    std::vector<int> result;
-    // where joints with friction change with it, what it did before tells nothing
-    if (!joints_.empty() || before.equations == nullptr) return result;
-    if (fired.doubtful.empty() && fired.breaking.empty()) return result;
-    Evaluator<double> values(before.equations->program);
-    values.set_parameters(before.parameters);
-    values(t, x);
-    const auto is_zero = [&](int k) {
-        const int force = force_of(before, k);
-        if (force < 0) return false;
-        const double mu = is_rough(k) ? static_cast<double>(conditions_->contacts()[at(k)].mu_static) : 1.0;
-        return values.output(force) <= 64.0 * epsilon * std::max(1.0, 1.0 / mu) * size_of_terms(before, t, x, force);
-    };
-    if (shares_load(before)) {
-        // one force at zero may be so by choice: then all are
-        for (int k = 0; k < contacts(); ++k) {
-            if (before.slip[at(k)] == flies) continue;
-            if (!is_zero(k)) return {};
-            result.push_back(k);
-        }
-        return result;
-    }
-    for (const int k : fired.doubtful)
-        if (force_of(before, k) >= 0) result.push_back(k);
-    // where no force acts along a surface that of friction ends with the normal one, and rounding says which is first;
-    // where one does, nothing holds it
-    const auto has_none_along = [&](int k) {
-        for (const Guard& guard : before.equations->guards) {
-            if (guard.contact != k || guard.joint >= 0 || guard.kind != EventKind::slip || guard.output < 0) continue;
-            const double limit = static_cast<double>(conditions_->contacts()[at(k)].mu_static) *
-                                 values.output(force_of(before, k)),
-                         along = std::sqrt(std::max(0.0, limit * limit - values.output(guard.output)));
-            return along <= 0x1p14 * epsilon * size_of_terms(before, t, x, force_of(before, k));
-        }
-        return true;
-    };
-    for (const int k : fired.breaking)
-        if (std::find(result.begin(), result.end(), k) == result.end() && is_zero(k) && has_none_along(k))
-            result.push_back(k);
-    return result;
-}
-
-RBDYN_INLINE bool TreeModel::settle_ending(const Mode& before, Mode& mode, double t, std::span<double> x,
-                                           const std::vector<int>& candidates, const Fired& fired) const {
-    const std::vector<int> of = ending(before, t, x, fired);
-    if (of.empty()) return false;
-    const auto is_in = [](const std::vector<int>& list, int k) {
-        return std::find(list.begin(), list.end(), k) != list.end();
-    };
-    std::vector<int> opening;
-    Evaluator<double> values(before.equations->program);
-    values.set_parameters(before.parameters);
-    values(t, x);
-    // what pulls already does not go on, however its force changes
-    const auto pulls_by_now = [&](int k) {
-        const int force = force_of(before, k);
-        return force >= 0 && values.output(force) < -64.0 * epsilon * size_of_terms(before, t, x, force);
-    };
-    for (const int k : of)
-        if (pulls_by_now(k) || ends(before, k, t, x)) opening.push_back(k);
-    Fired others = fired;
-    for (auto* list : {&others.doubtful, &others.breaking}) std::erase_if(*list, [&](int k) { return is_in(of, k); });
-    const Mode undecided = mode;
-    if (opening.empty() && others.none()) {
-        for (const int k : candidates) mode.slip[at(k)] = before.slip[at(k)];
-        choose(mode, t, x, {}, true);
-        return true;
-    }
-    std::vector<int> closed = candidates;
-    std::erase_if(closed, [&](int k) { return is_in(opening, k); });
-    for (const int k : opening) mode.slip[at(k)] = flies;
-    settle_rough(before, mode, t, x, closed, others);
-    if (mode.impossible.empty()) {
-        // what others do at this instant may press it on its surface
-        const auto by = coupling(moving(t, x), opening);
-        const std::vector<double> w = this->opening(mode, t, x, opening).first;
-        bool is_right = true;
-        for (std::size_t i = 0; i < w.size(); ++i) {
-            // a numerator is an acceleration itself
-            const bool is_force = !mechanics::contact_state::slides(before.slip[at(opening[i])]);
-            const double size = size_of_terms(before, t, x, force_of(before, opening[i]));
-            is_right = is_right && w[i] >= -1e-12 * size * (is_force ? by[i][i] : std::max(1.0, by[i][i]));
-        }
-        if (is_right) return true;
-    }
-    mode = undecided;
-    return false;
 }
 
 RBDYN_INLINE std::string TreeModel::no_sliding(int contact) const {

@@ -208,7 +208,7 @@ RBDYN_INLINE bool TreeModel::hold_by_friction(const Mode& before, Mode& mode, do
                     return is_held(mode.slip[at(other.contact)]) && o.a.body == c.a.body && o.b.body == c.b.body;
                 });
             cones.push_back(touched.cones[i]);
-            cones.back().is_line = cones.back().is_line || (joints_.empty() && !is_held(state) && !stays);
+            cones.back().is_line = cones.back().is_line || (!is_held(state) && !stays);
         }
     const auto are_in = [&](const std::vector<double>& z) { return mechanics::are_inside(z, cones); };
     // forces along the axes of the world, from those that solve the problem: some along axes without rows are loose
@@ -330,7 +330,16 @@ RBDYN_INLINE bool TreeModel::hold_by_friction(const Mode& before, Mode& mode, do
                 (memory.force[names[i].second] - last.force[names[i].second]) / (t - last.since);
         memory.put(mode.memory, names[i].first);
     }
-    return directions.empty() || (may_be_on_edges && parts.empty()) ? are_in(force) : !parts.empty();
+    if (directions.empty()) return are_in(force);
+    if (!parts.empty() || !may_be_on_edges || !are_in(force)) return !parts.empty();
+    // on the edges of cones it is held too, where joints that share the load hold what they have to
+    Mode tried = mode;
+    if (!sharing.empty()) choose(tried, t, touched.state, {}, true);
+    const std::vector<double> said = sharing.empty() ? std::vector<double>() : said_of_joints(tried, t, touched.state);
+    return std::ranges::all_of(sharing, [&](std::size_t j) {
+        const double* const one = said.data() + mechanics::JointMemory::said * j;
+        return std::abs(one[0]) <= joints_[j].mu_static * joints_[j].radius * std::hypot(one[1], one[2]);
+    });
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM

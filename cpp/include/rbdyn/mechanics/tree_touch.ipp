@@ -70,7 +70,11 @@ struct TreeModel::Encounter {
         return mechanics::Conditions::rate(row_of(k), motion);
     }
     bool is_open(int k) const { return mode.slip[at(k)] == flies && !law(k).is_gone; }
-    bool is_close(int k) { return std::abs(touching_of(k).gap) <= 1e-13 * model.size_of(k, all); }
+    /// What is at a place has no size of its own where that is the surface's: it is known as its time is.
+    bool is_close(int k) {
+        const double late = 4.0 * epsilon * std::abs(t) * model.speed_of(k, all);
+        return std::abs(touching_of(k).gap) <= std::max(1e-13 * model.size_of(k, all), late);
+    }
     bool is_slow(int k) { return rate(all, k) <= 1e-13 * model.speed_of(k, all); }
     static bool is_in(const std::vector<int>& list, int k) {
         return std::find(list.begin(), list.end(), k) != list.end();
@@ -142,6 +146,11 @@ RBDYN_INLINE void TreeModel::Encounter::list(std::span<const int> fired) {
         const bool is_near = !model.joints_.empty() && is_open(k) && is_close(k) && is_slow(k);
         if (is_closed || has_fired || is_there || is_near) closed.push_back(k);
     }
+    // what was thrown back at this very instant has not come again, where something else happens
+    if (flight > 0.0 || (events.breaking.empty() && events.doubtful.empty())) return;
+    const auto parts = [&](int k) { return is_open(k) && rate(all, k) > 0.0; };
+    std::erase_if(closed, [&](int k) { return is_in(events.landing, k) && parts(k); });
+    std::erase_if(events.landing, parts);
 }
 
 /// What impulses do not reach goes on as it did, whatever rounding makes of it; what flies along with what it touches,
@@ -181,6 +190,8 @@ RBDYN_INLINE void TreeModel::Encounter::strike() {
     const bool strikes = std::any_of(impulses.begin(), impulses.end(), [](double one) { return one > 0.0; });
     if (strikes || !model.conditions_->is_rough()) ++after.jumps;
     events.stuck = strokes.stuck;
+    // what impulses bring to rest is held, or breaks away, by the forces after them
+    if (strikes) std::erase_if(events.breaking, [&](int k) { return is_in(strokes.stuck, k); });
     let_fly(is_alone, made_alone);
     model.settle(mode, after, t, x, at_rest, events);
     if (after.impossible.empty() && !at_rest.empty()) model.part(after, t, x, at_rest);
