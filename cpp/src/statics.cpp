@@ -4,6 +4,7 @@
 #include "rbdyn/statics/ball_equilibria.ipp"
 #include "rbdyn/statics/equilibria.ipp"
 #include "rbdyn/statics/equilibrium.ipp"
+#include "rbdyn/statics/evident_rest.ipp"
 #include "rbdyn/statics/multiple_rest.ipp"
 #include "rbdyn/statics/natural_length.ipp"
 #include "rbdyn/statics/nearest_rest.ipp"

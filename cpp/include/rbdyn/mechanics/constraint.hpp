@@ -1,8 +1,8 @@
 // Constraints of a scene as conditions on the motion of a tree.
 //
 // Each is a number of rows, gap = 0, gap' = on_a . (omega_a, v_a) + on_b . (omega_b, v_b) = 0, and gap'' = 0:
-//     two points          e_k . (a - b), e_k the world's axes, or those of a or b: of three that are not all
-//                         independent some stay so while all turns (redundant.hpp)
+//     two points          e_k . (a - b), e_k the world's axes, or others that are fixed in it, or those of a or b: of
+//                         three that are not all independent some stay so while all turns (redundant.hpp)
 //     a distance          (|a - b|^2 - l^2) / 2
 //     a point on a plane  n . (a - c), n and c fixed in b
 //     a point on a curve  n_1 . (a - f), n_2 . (a - f), f its foot, n_1 and n_2 across the curve there (foot.hpp)
@@ -10,6 +10,7 @@
 // A hinge is two points and two right angles with its axis, a weld two points and three, a universal joint two and one.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <string>
@@ -34,12 +35,13 @@ namespace mechanics {
 /// The rows of one constraint, with what is fixed in its bodies.
 struct Condition {
     enum class Points { none, coincide, distance, plane, curve };
-    enum class Axes { world, of_a, of_b };
+    enum class Axes { world, of_a, of_b, fixed };
 
     std::string name;
     Anchor a, b;
     Points points = Points::coincide;
-    Axes axes = Axes::world;           // of two points
+    Axes axes = Axes::world;  // of two points
+    std::array<Vector3Of<DoubleDouble>, 3> fixed{};
     DoubleDouble length;               // of a distance
     Vector3Of<DoubleDouble> normal{};  // of a plane, axes of b; its point is that of b
     struct RightAngle {
@@ -105,6 +107,8 @@ public:
     void tell_in(int constraint, Condition::Axes axes) {
         conditions_[static_cast<std::size_t>(constraint)].axes = axes;
     }
+    /// The same in axes fixed in the world, of which the last one is given.
+    void tell_along(int constraint, const Vector3& last);
 
     /// All rows where the tree is.
     template <class S>
@@ -114,9 +118,11 @@ public:
             const Ends<S> ends(tree, c, all);
             if (c.points == Condition::Points::coincide)
                 for (int k = 0; k < 3; ++k) {
-                    const Vector3Of<S> e = ends.axis(c.axes, k);
+                    const Vector3Of<S> e = ends.axis(c, k);
                     if (c.axes == Condition::Axes::world)
                         rows.push_back(pushing(ends, e, ends.arm_b, ends.relative_bias[k]));
+                    else if (c.axes == Condition::Axes::fixed)
+                        rows.push_back(pushing(ends, e, ends.arm_b, dot<S>(e, ends.relative_bias)));
                     else
                         rows.push_back(c.axes == Condition::Axes::of_b ? across_b(ends, e) : across_a(ends, e));
                 }
@@ -169,7 +175,7 @@ public:
             if (c.points == Condition::Points::coincide)
                 for (int k = 0; k < 3; ++k)
                     gaps.push_back(c.axes == Condition::Axes::world ? ends.apart[k]
-                                                                    : dot<S>(ends.axis(c.axes, k), ends.apart));
+                                                                    : dot<S>(ends.axis(c, k), ends.apart));
             if (c.points == Condition::Points::distance) {
                 const S length = exactly<S>(c.length);
                 gaps.push_back((dot<S>(ends.apart, ends.apart) - length * length) * S(0.5));
@@ -256,9 +262,10 @@ private:
         }
 
         /// One of the axes that the difference of two points is told in.
-        Vector3Of<S> axis(Condition::Axes of, int k) const {
-            if (of != Condition::Axes::world) {
-                const AxesOf<S>& own = of == Condition::Axes::of_a ? a.axes : b.axes;
+        Vector3Of<S> axis(const Condition& c, int k) const {
+            if (c.axes == Condition::Axes::fixed) return exactly<S>(c.fixed[static_cast<std::size_t>(k)]);
+            if (c.axes != Condition::Axes::world) {
+                const AxesOf<S>& own = c.axes == Condition::Axes::of_a ? a.axes : b.axes;
                 return k == 0 ? own.e1 : k == 1 ? own.e2 : own.e3;
             }
             Vector3Of<S> e = none<S>();

@@ -164,6 +164,15 @@ RBDYN_INLINE Conditions::Conditions(const Scene& scene, const Tree& tree,
     }
 }
 
+RBDYN_INLINE void Conditions::tell_along(int constraint, const Vector3& last) {
+    Condition& c = conditions_[static_cast<std::size_t>(constraint)];
+    Vector3 least = Vector3::Zero();
+    least[rbdyn::least(sizes(last))] = 1.0;
+    const Vector3Of<DoubleDouble> n = unit(last), u = unit_across(least, n);
+    c.axes = Condition::Axes::fixed;
+    c.fixed = {u, cross<DoubleDouble>(n, u), n};
+}
+
 RBDYN_INLINE double Conditions::gap(const Tree& tree, int index, const std::vector<Moving<double>>& all) const {
     const Condition& c = conditions_[static_cast<std::size_t>(index)];
     const Ends<double> ends(tree, c, all);

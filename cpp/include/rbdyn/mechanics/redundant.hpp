@@ -44,9 +44,10 @@ struct Opening {
                                            double t, const std::vector<DoubleDouble>& x, double size, double tolerance);
 
 /// The same conditions with the points of those of which some rows depend on others told in axes in which what depends
-/// on what stays the same when the scene moves, if there are such: the world's, those of b, those of a; else in those
-/// in which it changes least. Two ball joints of a lid depend on each other along its axis, which turns with what
-/// carries it. `rows`: those used, at x, closed; `size`: of the scene [m].
+/// on what stays the same when the scene moves, if there are such: where all of them have a direction that nothing
+/// holds, as across the plane of a linkage however it is turned, along it, where a row is none by itself; else the
+/// world's, those of b, those of a; else those in which it changes least. Two ball joints of a lid depend on each other
+/// along its axis, which turns with what carries it. `rows`: those used, at x, closed; `size`: of the scene [m].
 [[gnu::cold]] Conditions steadiest(const Tree& tree, const Conditions& conditions, const std::vector<int>& rows,
                                    double t, const std::vector<DoubleDouble>& x, double size, double tolerance);
 

@@ -128,6 +128,33 @@ inline double obliquity(const Tree& tree, const Conditions& conditions, const st
     return sum;
 }
 
+/// The direction in which the two points of a constraint are not held by it, where what depends on others is its rows
+/// alone: one that depends on the other two.
+inline std::optional<Vector3> not_held(const Conditions& conditions, int constraint,
+                                       const std::vector<std::vector<double>>& loose) {
+    constexpr double none = 1e-9;
+    const std::size_t first = static_cast<std::size_t>(conditions.all()[static_cast<std::size_t>(constraint)].first);
+    std::optional<Vector3> result;
+    for (const std::vector<double>& one : loose) {
+        const Vector3 own(one[first], one[first + 1], one[first + 2]);
+        double others = 0.0;
+        for (std::size_t r = 0; r < one.size(); ++r)
+            if (r < first || r >= first + 3) others = std::max(others, std::abs(one[r]));
+        if (!(own.norm() > none * others)) continue;
+        if (result || others > none * own.norm()) return std::nullopt;
+        result = own;
+    }
+    return result;
+}
+
+/// Whether a row that is not used is none by itself at all places: it depends on no others.
+inline bool stays_none(const Tree& tree, const Conditions& conditions, const std::vector<int>& rows, int row,
+                       const std::vector<std::vector<Moving<double>>>& places) {
+    if (std::binary_search(rows.begin(), rows.end(), row)) return false;
+    return std::all_of(places.begin(), places.end(),
+                       [&](const auto& all) { return dependences(tree, conditions, rows, {row}, all).empty(); });
+}
+
 }  // namespace redundant
 
 RBDYN_INLINE std::optional<Opening> opening(const Tree& tree, const Conditions& conditions,
@@ -221,6 +248,26 @@ RBDYN_INLINE Conditions steadiest(const Tree& tree, const Conditions& conditions
     }
     std::vector<int> every(static_cast<std::size_t>(conditions.constraint_rows()));
     for (std::size_t r = 0; r < every.size(); ++r) every[r] = static_cast<int>(r);
+    // along a direction that nothing holds a row is none by itself, for good where that stays so elsewhere
+    const bool is_seen = !places.empty();
+    places.push_back(here);
+    const auto along = [&]() -> std::optional<Conditions> {
+        Conditions told = conditions;
+        for (const int k : partial) {
+            const auto n = redundant::not_held(conditions, k, loose);
+            if (!n) return std::nullopt;
+            told.tell_along(k, *n);
+        }
+        const std::vector<int> used = independent_rows(tree, told, every, here);
+        if (used.size() != rows.size()) return std::nullopt;
+        for (const int k : partial) {
+            const int row = told.all()[static_cast<std::size_t>(k)].first + 2;
+            if (!redundant::stays_none(tree, told, used, row, places)) return std::nullopt;
+        }
+        return told;
+    };
+    if (is_seen)
+        if (auto told = along()) return *std::move(told);
     Conditions best = conditions;
     double least = std::numeric_limits<double>::infinity();
     for (const auto axes : {Condition::Axes::world, Condition::Axes::of_b, Condition::Axes::of_a}) {

@@ -57,12 +57,13 @@ inline std::vector<double> place_of_rest(TreeForces& forces, const std::vector<d
     if (!s.is_finite()) throw InvalidInput(user + ": at the equilibrium " + forces.not_finite(q) + " is not finite");
     // places are known to rounding, and users write some digits of them
     constexpr double near = 1e-6;
-    const std::vector<double> sizes = forces.force_sizes(forces.wide(q));
+    const std::vector<double> sizes = forces.force_sizes(forces.wide(q)), units = forces.units();
     for (std::size_t i = 0; i < s.force.size(); ++i) {
         // and nothing is what is rounding
         double slack = s.effort[i] + 64.0 * std::numeric_limits<double>::epsilon() / near * sizes[i];
         for (std::size_t j = 0; j < s.size.size(); ++j)
-            slack += std::abs(s.jacobian(static_cast<int>(i), static_cast<int>(j))) * s.size[j];
+            slack += std::abs(s.jacobian(static_cast<int>(i), static_cast<int>(j))) *
+                     (s.size[j] + std::numeric_limits<double>::epsilon() / near * units[j]);
         require(std::abs(s.force[i]) <= near * slack, user, "generalized force of freedom " + std::to_string(i),
                 s.force[i], "at an equilibrium there is none; take one of equilibria(scene)");
     }

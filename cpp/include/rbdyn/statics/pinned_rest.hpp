@@ -24,6 +24,9 @@ struct PinnedRest {
     std::vector<bool> flat;
 };
 
+/// Whether the forces at a place are rounding, in doubles, of what they are sums of and of the place itself.
+bool is_zero(TreeForces& forces, const TreeForces::Wide& place);
+
 /// Steps to a zero of all coordinates leave some of them beside nothing: those that may as well be zero are.
 TreeForces::Wide without_dust(TreeForces& forces, const SmallModes& modes, TreeForces::Wide place);
 

@@ -63,14 +63,43 @@ RBDYN_INLINE TreeForces::Wide without_dust(TreeForces& forces, const SmallModes&
     const auto is_beside = [&](std::size_t i) {
         return place[i].hi != 0.0 && std::abs(place[i].hi) <= beside * units[i];
     };
+    // another rest is not far where forces change in lengths far below the scene's: on the way there is more than here
+    const auto is_the_same = [&](const TreeForces::Wide& other) {
+        constexpr double more = 4.0;
+        const double here = misfit(place);
+        if (!(misfit(other) <= here)) return false;
+        for (const double part : {0.9, 0.62, 0.38, 0.17, 0.05}) {
+            TreeForces::Wide between = place;
+            for (std::size_t i = 0; i < positions; ++i)
+                if (other[i] != place[i]) between[i] = part * place[i];
+            double noise = 0.0;
+            const std::vector<double> sizes = forces.force_sizes(between);
+            for (int k = 0; k < n; ++k)
+                for (int i = 0; i < n; ++i)
+                    noise =
+                        std::max(noise, 0x1p-90 * std::abs(modes.shapes(i, k)) * sizes[static_cast<std::size_t>(i)]);
+            if (!(misfit(between) <= more * here + noise)) return false;
+        }
+        return true;
+    };
     // all of them, then one after the other
     for (std::size_t from = 0; from <= positions; ++from) {
         TreeForces::Wide other = place;
         for (std::size_t i = 0; i < positions; ++i)
             if ((from == 0 || i == from - 1) && is_beside(i)) other[i] = 0.0;
-        if (other != place && misfit(other) <= misfit(place)) place = std::move(other);
+        if (other != place && is_the_same(other)) place = std::move(other);
     }
     return place;
+}
+
+RBDYN_INLINE bool is_zero(TreeForces& forces, const TreeForces::Wide& place) {
+    constexpr double some = 64.0 * std::numeric_limits<double>::epsilon();
+    if (place.empty()) return false;
+    const TreeForces::Wide f = forces.force_at(place);
+    const std::vector<double> sizes = forces.force_sizes(place);
+    for (std::size_t i = 0; i < f.size(); ++i)
+        if (!(std::abs(f[i].hi) <= some * sizes[i]) || !std::isfinite(sizes[i])) return false;
+    return true;
 }
 
 RBDYN_INLINE PinnedRest pinned(TreeForces& forces, const std::vector<double>& q) {
@@ -80,7 +109,7 @@ RBDYN_INLINE PinnedRest pinned(TreeForces& forces, const std::vector<double>& q)
     rest.place = forces.wide(q);
     double softened = 0.0;      // the largest square met of a mode that is flat in the end
     double longest_leap = 0.0;  // of all steps to zeros of higher order
-    const std::vector<double> units = forces.units_of_positions();
+    const std::vector<double> units = forces.units_of_positions(), freedom_units = forces.units();
     const auto is_far = [&](const TreeForces::Wide& to, const TreeForces::Wide& from) {
         for (std::size_t i = 0; i < q.size(); ++i)
             if (std::abs((to[i] - from[i]).hi) > 1e-8 * std::abs(from[i].hi) + 1e-14 * units[i]) return true;
@@ -176,9 +205,13 @@ RBDYN_INLINE PinnedRest pinned(TreeForces& forces, const std::vector<double>& q)
             softened = std::max(softened, std::abs(square));
         }
         if (leap == 0.0) return rest;
-        rest.place = forces.stepped(rest.place, taken(ways));
-        // at a zero of all coordinates leaps go on for ever
+        const std::vector<double> step = taken(ways);
+        rest.place = forces.stepped(rest.place, step);
+        // at a zero of all coordinates leaps go on for ever; they end where they are nothing to those before, and to
+        // the scene: from far away both are to be
         rest.is_found = leap <= 0x1p-60 * longest_leap;
+        for (int i = 0; i < n; ++i)
+            rest.is_found = rest.is_found && std::abs(step[at(i)]) <= 0x1p-60 * freedom_units[at(i)];
         longest_leap = std::max(longest_leap, leap);
         if (!rest.is_found) continue;
         forces.look_at(rest.place);

@@ -12,6 +12,7 @@
 #include "rbdyn/basics/dense.hpp"
 #include "rbdyn/basics/double_double.hpp"
 #include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/statics/search.hpp"
 #include "rbdyn/statics/tree_forces.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::statics {
@@ -26,7 +27,7 @@ inline bool goes_as_slopes_say(TreeForces& forces, const TreeForces::Wide& place
     const int n = forces.freedoms();
     constexpr int most_single = 24, most_mixed = 8;
     const TreeForces::Wide here = forces.force_at(place);
-    double predicted = 0.0, left = 0.0;
+    constexpr double alike = 0.5;
     for (int k = 0; k < (n <= most_single ? n : most_mixed); ++k) {
         std::vector<double> step(at(n));
         for (int j = 0; j < n; ++j)
@@ -40,6 +41,7 @@ inline bool goes_as_slopes_say(TreeForces& forces, const TreeForces::Wide& place
         }
         if (there.empty() || there == place) continue;
         const TreeForces::Wide f = forces.force_at(there);
+        double predicted = 0.0, left = 0.0;
         for (int i = 0; i < n; ++i) {
             double change = 0.0;
             for (int j = 0; j < n; ++j) change += slope(i, j) * step[at(j)];
@@ -49,9 +51,9 @@ inline bool goes_as_slopes_say(TreeForces& forces, const TreeForces::Wide& place
             if (!std::isfinite(over)) return false;
             left = std::max(left, over);
         }
+        if (!(left <= alike * predicted)) return false;
     }
-    constexpr double alike = 2.0;
-    return left <= alike * predicted;
+    return true;
 }
 
 }  // namespace resolving
@@ -65,16 +67,30 @@ RBDYN_INLINE bool is_resolved(TreeForces& forces, const std::vector<double>& q, 
             if (!(std::abs(s.force[at(i)]) <= 1024.0 * epsilon * s.effort[at(i)])) return false;
         return true;
     };
-    // where y over the width of a valley is no more than that, a zero to 32 digits is more than rounding of the place
-    constexpr double far = 1e20, near = 1e-6, nothing = 0x1p-96;
+    // farther than that doubles do not tell places of the scene apart
+    constexpr double far = 1e15, near = 1e-6, nothing = 0x1p-96;
     const std::vector<double> units = forces.units();
     bool is_far = false;
     for (int i = 0; i < n; ++i) is_far = is_far || !(s.size[at(i)] <= far * units[at(i)]);
     if (!is_far && is_rounding_of_terms()) return true;
+    if (is_far) {
+        // what is linear is so at any distance, if it holds all freedoms
+        const Stiffness stiffness(s);
+        for (const double square : symmetric_eigenvalues(stiffness.symmetric))
+            if (!(std::abs(square) > stiffness.rounding)) return false;
+    }
     TreeForces::Wide place = forces.wide(q);
     if (place.empty()) return false;
+    // what is more than rounding of terms and of the place is a force, however even
+    constexpr double rounding = 4096.0 * epsilon;
+    const std::vector<double> known = forces.force_sizes(place);
+    for (int i = 0; i < n; ++i) {
+        double size = s.effort[at(i)] + known[at(i)];
+        for (int j = 0; j < n; ++j) size += std::abs(s.jacobian(i, j)) * s.size[at(j)];
+        if (!(std::abs(s.force[at(i)]) <= rounding * size) || !std::isfinite(size)) return false;
+    }
     // farther than rounding of the place may have made a force pass for none
-    if (resolving::goes_as_slopes_say(forces, place, s.jacobian, s, 4096.0 * epsilon)) return true;
+    if (resolving::goes_as_slopes_say(forces, place, s.jacobian, s, rounding)) return true;
     if (is_far) return false;
     constexpr int most_steps = 400;
     for (int iteration = 0; iteration < most_steps; ++iteration) {

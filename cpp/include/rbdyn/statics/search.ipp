@@ -18,6 +18,7 @@
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/rotation/quaternion.hpp"
 #include "rbdyn/statics/equilibrium.hpp"
+#include "rbdyn/statics/evident_rest.hpp"
 #include "rbdyn/statics/forces.hpp"
 #include "rbdyn/statics/multiple_rest.hpp"
 #include "rbdyn/statics/normal_modes.hpp"
@@ -136,7 +137,9 @@ inline std::optional<PinnedRest> pinned_if_even(TreeForces& forces, const std::v
         double size = forces.extent();
         for (const double x : q) size = std::max(size, std::abs(x));
         constexpr double near = 4.0;
-        if (rest.is_found && forces.distance(forces.nearest(rest.place), q) <= near * size) return rest;
+        if (rest.is_found && forces.distance(forces.nearest(rest.place), q) <= near * size &&
+            is_zero(forces, rest.place))
+            return rest;
         rest.is_found = false;
         rest.place = forces.wide(q);
         rest.flat.assign(static_cast<std::size_t>(forces.freedoms()), false);
@@ -208,27 +211,20 @@ inline bool contracts(TreeForces& forces, const std::vector<double>& q) {
     return false;
 }
 
-/// The zero of the forces near q by the modes in 32 digits, in place; whether there is one, beside the largest forces
-/// on the way.
-inline bool approach(TreeForces& forces, std::vector<double>& q, const std::vector<double>& start,
-                     const std::vector<double>& most) {
+/// The zero of the forces near q by the modes in 32 digits, in place; whether there is one.
+inline bool approach(TreeForces& forces, std::vector<double>& q, const Beginning& start) {
     const Forces::State s = forces.at_rest(q);
     if (!s.is_finite()) return false;
     const auto rest = searching::pinned_if_even(forces, q, Stiffness(s));
     if (!rest || !rest->is_found) return false;
     // far out in a valley forces vanish beside what they are sums of
     double size = forces.extent();
-    for (const double x : start) size = std::max(size, std::abs(x));
+    for (const double x : start.place) size = std::max(size, std::abs(x));
     constexpr double far = 1e6;
-    if (!(forces.distance(forces.nearest(rest->place), start) <= far * size)) return false;
-    const TreeForces::Wide f = forces.force_at(rest->place);
-    const std::vector<double> sizes = forces.force_sizes(rest->place);
-    for (std::size_t i = 0; i < sizes.size(); ++i)
-        if (!(std::abs(f[i].hi) <= std::max(64.0 * std::numeric_limits<double>::epsilon() * sizes[i], 1e-13 * most[i])))
-            return false;
+    if (!(forces.distance(forces.nearest(rest->place), start.place) <= far * size)) return false;
     q = forces.nearest(rest->place);
     const Forces::State there = forces.at_rest(q);
-    return there.pushed && is_resolved(forces, q, there);
+    return there.pushed && is_resolved(forces, q, there) && is_evident(forces, q, there, start);
 }
 
 RBDYN_INLINE bool relax(TreeForces& forces, std::vector<double>& q) {
@@ -240,24 +236,23 @@ RBDYN_INLINE bool relax(TreeForces& forces, std::vector<double>& q) {
     if (!now.is_finite())
         throw InvalidInput("equilibria: where the search begins, " + forces.not_finite(q) +
                            " is not finite; begin elsewhere (near)");
+    const Beginning beginning{start, now.effort};
     std::vector<double> most = now.effort;
-    const auto is_zero = [&](const Forces::State& s, double slack) {
+    const auto vanishes = [&](const Forces::State& s) {
         for (int i = 0; i < n; ++i) {
             double rounding = 16.0 * s.effort[at(i)];
             for (int j = 0; j < n; ++j) rounding += 4.0 * std::abs(s.jacobian(i, j)) * s.size[at(j)];
-            if (std::abs(s.force[at(i)]) > slack * epsilon * rounding) return false;
+            if (std::abs(s.force[at(i)]) > 64.0 * epsilon * rounding) return false;
         }
         return true;
     };
     // far away damping finds the way, near the zero Newton's steps are taken whole
     double damping = 0.0;
-    bool found = false;
-    for (int iteration = 0; iteration < 300 && !found; ++iteration) {
+    bool found = false, is_looked_at = false;
+    for (int iteration = 0; iteration < 300; ++iteration) {
         // at a zero of all coordinates steps go on until squares underflow
-        if (is_zero(now, 64.0) || now.misfit() == 0.0) {
-            found = true;
-            break;
-        }
+        found = vanishes(now) || now.misfit() == 0.0;
+        if (found) break;
         const std::vector<double> step = newton_step(now, damping);
         std::vector<double> next;
         Forces::State there;
@@ -285,11 +280,16 @@ RBDYN_INLINE bool relax(TreeForces& forces, std::vector<double>& q) {
         q = next;
         now = there;
         damping = damping > 1e-9 ? 0.125 * damping : 0.0;
-        // the forces die away to a zero of higher order, the steps with them
-        found = damping == 0.0 && taken < 1e-20 * gone && faded;
+        if (is_looked_at || !(damping == 0.0 && taken < 1e-20 * gone && faded)) continue;
+        // the forces die away to a zero of higher order, the steps with them; far off they are large all the same
+        is_looked_at = true;
+        if (std::vector<double> leapt = q; approach(forces, leapt, beginning)) {
+            q = std::move(leapt);
+            return true;
+        }
     }
     // squares of slow modes are lost beside those of stiff ones, and of flat ones beside any
-    if (!found) return approach(forces, q, start, most);
+    if (!found) return approach(forces, q, beginning);
     for (int iteration = 0; iteration < 4; ++iteration) {
         LinearSolution step = solve(now.jacobian, now.force);
         for (double& x : step.x) x = -x;
@@ -300,7 +300,7 @@ RBDYN_INLINE bool relax(TreeForces& forces, std::vector<double>& q) {
         q = next;
         now = there;
     }
-    return now.pushed && is_resolved(forces, q, now);
+    return now.pushed && is_resolved(forces, q, now) && is_evident(forces, q, now, beginning);
 }
 
 RBDYN_INLINE std::optional<FreeTurn> free_turn(Forces& forces, const std::vector<double>& q, const Forces::State& s,

@@ -3,9 +3,9 @@
 // Freedoms: the velocities of all joints (mechanics/tree.hpp), Q = sum of the powers of all that acts with a unit of
 // each. Where constraints J v = 0 hold, some of the velocities follow from the others, J_d v_d = -J_i v_i, and what is
 // left is Q_i - J_i^T J_d^-T Q_d: the constraints do no work. Which ones follow is chosen by pivots where the bodies
-// are. The Jacobian is that of the recorded forces; along constraints it is of central differences in 32 digits over a
-// 1e-10th of the scene's size, good to doubles. Places are the positions of the tree, in doubles, and satisfy the
-// constraints to their rounding.
+// are. The Jacobian is that of the recorded forces; what the constraints add as they turn is of central differences in
+// 32 digits over a 1e-10th of the scene's size, good to doubles. Places are the positions of the tree, in doubles, and
+// satisfy the constraints to their rounding.
 #pragma once
 
 #include <cstddef>
@@ -117,6 +117,9 @@ private:
     std::vector<Wide> rows(const Bodies& all) const;
     /// Chooses which velocities follow from the others at a place.
     void choose(const Bodies& all);
+    /// Of which size each velocity's position is known to the rounding: its own; where constraints hold that of all
+    /// whose rounding moves it along them.
+    std::vector<double> known() const;
     /// All velocities of a motion in the freedoms, where at_rest() was asked for last.
     std::vector<double> in_all(const std::vector<double>& motion) const;
     /// Velocities that follow from a motion in the freedoms.
@@ -139,20 +142,22 @@ private:
     };
     Momentum momentum(const Carried& c) const;
 
-    /// How the positions change with a freedom, where no constraint holds.
+    /// How the positions change with a velocity.
     template <class N>
     struct Change {
-        int freedom, position;
+        int velocity, position;
         N rate;
     };
     template <class N>
     std::vector<Change<N>> changes(const std::vector<N>& q) const;
+    /// Of Q of all velocities.
     WideJacobian exact_jacobian() const;
-    WideMatrix jacobian_of_differences() const;
+    WideMatrix constrained_jacobian() const;
     void record(const std::vector<double>& q);
     const Function& slope(int position) const;
-    /// Runs a program for what its values are sums of.
-    static RoundingSizes sizes_of(const Program& program, const std::vector<double>& q);
+    /// Runs a program for what its values are sums of; `known` as RoundingSizes takes it.
+    static RoundingSizes sizes_of(const Program& program, const std::vector<double>& q,
+                                  const std::vector<double>& known);
 
     RestForces acting_;
     mechanics::Conditions conditions_;
@@ -162,9 +167,10 @@ private:
     std::vector<bool> carries_;  // other bodies
     std::vector<double> start_;
     double extent_ = 1.0;
-    Wide place_;                        // where at_rest() was asked last, on the constraints,
-    Bodies bodies_;                     // the bodies there,
-    std::vector<Wide> basis_;           // and of each freedom all velocities there, where constraints hold
+    Wide place_;               // where at_rest() was asked last, on the constraints,
+    Bodies bodies_;            // the bodies there,
+    std::vector<Wide> basis_;  // and of each freedom all velocities there, where constraints hold
+    mutable std::vector<double> known_;
     std::optional<Function> function_;  // Q of all velocities
     mutable std::map<int, Function> slopes_;
     Program program_;

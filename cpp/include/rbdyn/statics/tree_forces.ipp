@@ -62,7 +62,13 @@ RBDYN_INLINE TreeForces::TreeForces(const Scene& scene) : acting_(scene) {
     start_.resize(at(tree().positions()));
     choose(moving(x));
     if (acting_.size() > 0.0 || freedoms() == 0) return;
-    if (const double own = natural_length(*this, x); std::isfinite(own)) extent_ = own;
+    const double own = natural_length(*this, x);
+    if (!std::isfinite(own)) return;
+    // forces that are small beside others bend as these do only far away
+    constexpr double far = 1e8;
+    double off = 0.0;
+    for (const mechanics::Moving<DoubleDouble>& body : moving(x)) off = std::max(off, rounded(body.place).norm());
+    extent_ = off > 0.0 ? std::min(own, far * off) : own;
 }
 
 RBDYN_INLINE Forces::State TreeForces::at_rest(const std::vector<double>& q) {
@@ -86,9 +92,9 @@ RBDYN_INLINE Forces::State TreeForces::at_rest(const std::vector<double>& q) {
         values_->set_parameters(parameters_);
         values_->differentiate(0.0, q);
         for (const Change<double>& c : changes<double>(q))
-            for (int i = 0; i < n; ++i) s.jacobian(i, c.freedom) += c.rate * values_->derivative(i, c.position);
+            for (int i = 0; i < n; ++i) s.jacobian(i, c.velocity) += c.rate * values_->derivative(i, c.position);
     } else {
-        const WideMatrix slope = jacobian_of_differences();
+        const WideMatrix slope = constrained_jacobian();
         for (int i = 0; i < n; ++i)
             for (int j = 0; j < n; ++j) s.jacobian(i, j) = static_cast<double>(slope(i, j));
     }
@@ -106,12 +112,8 @@ RBDYN_INLINE Forces::State TreeForces::at_rest(const std::vector<double>& q) {
         s.effort.push_back(effort);
         s.metric.push_back(static_cast<double>(own));
     }
-    for (const int k : leading_)
-        for (const mechanics::Node& node : tree().nodes()) {
-            if (k < node.v || k >= node.v + node.joint.velocities()) continue;
-            const int turns = node.joint.attitude();
-            s.size.push_back(turns >= 0 && k - node.v >= turns ? 1.0 : std::abs(q[at(node.q + k - node.v)]));
-        }
+    const std::vector<double> sizes = known();
+    for (const int k : leading_) s.size.push_back(sizes[at(k)]);
     for (const mechanics::LooseRail& rail : acting_.one_sided()) {
         constexpr double epsilon = std::numeric_limits<double>::epsilon();
         const auto push = [&](const RestForces::Efforts& e) {
@@ -140,6 +142,7 @@ RBDYN_INLINE void TreeForces::look_at(const Wide& place) {
     bodies_ = moving(place_);
     choose(bodies_);
     basis_.clear();
+    known_.clear();
     if (rows_.empty()) return;
     const std::vector<Wide> held = rows(bodies_);
     for (int i = 0; i < n; ++i) {
@@ -168,7 +171,7 @@ RBDYN_INLINE std::string TreeForces::not_finite(const std::vector<double>& q) co
 }
 
 RBDYN_INLINE TreeForces::WideJacobian TreeForces::wide_jacobian() const {
-    return rows_.empty() ? exact_jacobian() : WideJacobian{jacobian_of_differences()};
+    return rows_.empty() ? exact_jacobian() : WideJacobian{constrained_jacobian()};
 }
 
 template <class N>
@@ -190,7 +193,8 @@ std::vector<TreeForces::Change<N>> TreeForces::changes(const std::vector<N>& q) 
 }
 
 RBDYN_INLINE TreeForces::WideJacobian TreeForces::exact_jacobian() const {
-    WideJacobian result{WideMatrix(freedoms()), true};
+    const int n = tree().velocities();
+    WideJacobian result{WideMatrix(n), true};
     const std::span<const DoubleDouble> place(place_.data(), at(tree().positions()));
     std::map<int, std::vector<DoubleDouble>> slopes;
     for (const Change<DoubleDouble>& c : changes<DoubleDouble>(place_)) {
@@ -202,27 +206,25 @@ RBDYN_INLINE TreeForces::WideJacobian TreeForces::exact_jacobian() const {
             result.is_constant = result.is_constant && derivative.constants().has_value();
             found = slopes.emplace(c.position, derivative(place)).first;
         }
-        for (int i = 0; i < freedoms(); ++i) result.entries(i, c.freedom) += c.rate * found->second[at(i)];
+        for (int i = 0; i < n; ++i) result.entries(i, c.velocity) += c.rate * found->second[at(i)];
     }
     return result;
 }
 
-RBDYN_INLINE WideMatrix TreeForces::jacobian_of_differences() const {
+RBDYN_INLINE WideMatrix TreeForces::constrained_jacobian() const {
     // r = Q_l - G_l^T lambda with G_f^T lambda = Q_f, l the freedoms, f what follows: along a motion that the
-    // constraints allow r' is to (Q - G^T lambda)', lambda as it is, what r is to Q; so nothing is closed again beside
-    // the place
+    // constraints allow r' is to Q' - G'^T lambda, lambda as it is, what r is to Q; so nothing is closed again beside
+    // the place. Q may change in lengths that the scene does not show, G does in those of its joints and curves.
     constexpr double part = 0x1p-33;
     const int n = freedoms();
     const std::vector<Wide> held = rows(bodies_);
-    const auto acting = [&](const Wide& x) {
-        return (*function_)(std::span<const DoubleDouble>(x.data(), at(tree().positions())));
-    };
-    const Wide multipliers = holding(held, acting(place_));
-    const auto left = [&](const Wide& x) {
-        Wide q = acting(x);
+    const WideMatrix slope = exact_jacobian().entries;
+    const Wide multipliers = holding(held, (*function_)(std::span(place_.data(), at(tree().positions()))));
+    const auto forced = [&](const Wide& x) {
+        Wide q(at(tree().velocities()), 0.0);
         const std::vector<Wide> there = rows(moving(x));
         for (std::size_t r = 0; r < there.size(); ++r)
-            for (std::size_t k = 0; k < q.size(); ++k) q[k] -= there[r][k] * multipliers[r];
+            for (std::size_t k = 0; k < q.size(); ++k) q[k] += there[r][k] * multipliers[r];
         return q;
     };
     WideMatrix result(n);
@@ -239,11 +241,15 @@ RBDYN_INLINE WideMatrix TreeForces::jacobian_of_differences() const {
             for (const DoubleDouble& v : basis_[at(j)]) way.push_back(sign * step * static_cast<double>(v));
             mechanics::closing::move<DoubleDouble>(tree(), 0.0, way, there);
             mechanics::closing::normalize<DoubleDouble>(tree(), there);
-            return left(there);
+            return forced(there);
         };
-        Wide change = shifted(1.0);
-        const Wide back = shifted(-1.0);
-        for (std::size_t k = 0; k < change.size(); ++k) change[k] = (change[k] - back[k]) * DoubleDouble(0.5 / step);
+        const Wide ahead = shifted(1.0), back = shifted(-1.0);
+        Wide change(ahead.size(), 0.0);
+        for (std::size_t k = 0; k < change.size(); ++k) {
+            change[k] = (back[k] - ahead[k]) * DoubleDouble(0.5 / step);
+            for (std::size_t i = 0; i < change.size(); ++i)
+                change[k] += slope(static_cast<int>(k), static_cast<int>(i)) * basis_[at(j)][i];
+        }
         const Wide along = reduced(held, change);
         for (int i = 0; i < n; ++i) result(i, j) = along[at(i)];
     }
