@@ -6,7 +6,6 @@ limit is that of the geometric series.
 
 import numpy as np
 import pytest
-
 import rbdyn as rb
 
 

@@ -71,6 +71,17 @@ TEST(Steps, of_numbers_at_the_end_of_doubles_hold_nothing_up) {
     EXPECT_EQ(series::log_step(size.data(), p, 1e-318, -30.0), std::numeric_limits<double>::infinity());
 }
 
+TEST(Steps, of_what_has_hardly_begun_to_move_are_those_of_its_scale) {
+    // a spring of 0.1 m far along a chain: its length changes from 1e-40 m on, by terms of the sixth order and more
+    constexpr int p = 12;
+    std::array<double, p + 1> size{};
+    size[0] = 0.1;
+    for (int k = 3; k <= p - 4; ++k) size[static_cast<std::size_t>(k)] = std::pow(10.0, 5 * k - 55);
+    // its last term reaches 2^-20 of 0.1 m where 1e-15 tau^8 does, not where it is that part of the first one
+    const double length = std::exp2(series::log_step(size.data(), p, size[0], -20.0));
+    EXPECT_NEAR(1e-15 * std::pow(length, 8) / (0.1 * 0x1p-20), 1.0, 0.7);
+}
+
 TEST(Steps, do_not_depend_on_units) {
     constexpr int p = 20;
     std::array<double, p + 1> size{}, other{};

@@ -64,6 +64,12 @@ struct Tape {
         bool has_steps = false;
     };
 
+    /// The lanes of all blocks, one behind the other.
+    static double* lanes_of(std::vector<Block>& blocks) { return reinterpret_cast<double*>(blocks.data()); }
+    static const double* lanes_of(const std::vector<Block>& blocks) {
+        return reinterpret_cast<const double*>(blocks.data());
+    }
+
     std::vector<Scale> scales;
     std::vector<Product> products, singles;
     std::vector<Pair> pairs;

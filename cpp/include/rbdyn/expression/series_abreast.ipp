@@ -206,7 +206,7 @@ RBDYN_INLINE bool SeriesAbreast::fits(const Program& program, int order) const {
 RBDYN_INLINE void SeriesAbreast::expand(std::span<const Motion> motions, bool whole) {
     abreast::Tape& tape = *tape_;
     const auto width = static_cast<std::size_t>(width_), stride = static_cast<std::size_t>(stride_);
-    double *cells = tape.cells.data()->lanes, *weights = tape.weights.data()->lanes;
+    double *cells = abreast::Tape::lanes_of(tape.cells), *weights = abreast::Tape::lanes_of(tape.weights);
     for (std::size_t l = 0; l < width; ++l) {
         // lanes to spare have another one's
         const Motion& m = motions[l < motions.size() ? l : 0];
@@ -245,7 +245,7 @@ RBDYN_INLINE bool SeriesAbreast::is_good(int motion) const {
     if (!may_overflow_) return true;
     // one motion alone has no slopes where a denominator is that large
     const auto width = static_cast<std::size_t>(width_);
-    const double* cells = tape_->cells.data()->lanes;
+    const double* cells = abreast::Tape::lanes_of(tape_->cells);
     for (int slot = inputs_; slot < slots_; ++slot)
         if (!(std::abs(cells[static_cast<std::size_t>(slot * stride_) * width + l]) <= SeriesEvaluator::largest))
             return false;
@@ -254,7 +254,7 @@ RBDYN_INLINE bool SeriesAbreast::is_good(int motion) const {
 
 RBDYN_INLINE void SeriesAbreast::copy(int motion, int slot, std::size_t count, SeriesEvaluator& series) const {
     const auto width = static_cast<std::size_t>(width_);
-    const double* from = tape_->cells.data()->lanes + static_cast<std::size_t>(slot * stride_) * width +
+    const double* from = abreast::Tape::lanes_of(tape_->cells) + static_cast<std::size_t>(slot * stride_) * width +
                          static_cast<std::size_t>(motion);
     double* to = series.row(slot);
 #ifdef RBDYN_HAS_LANES
@@ -270,7 +270,7 @@ RBDYN_INLINE void SeriesAbreast::give(int motion, SeriesEvaluator& series, std::
     const auto width = static_cast<std::size_t>(width_), last = static_cast<std::size_t>(order_ - 1) * width;
     for (const auto& [input, rate] : tape_->motion) {
         const auto slot = static_cast<int>(rate / tape_->stride);
-        const double* from = tape_->cells.data()->lanes + static_cast<std::size_t>(slot * stride_) * width +
+        const double* from = abreast::Tape::lanes_of(tape_->cells) + static_cast<std::size_t>(slot * stride_) * width +
                              static_cast<std::size_t>(motion);
         double* to = series.row(slot);
         to[0] = from[0];
@@ -319,7 +319,7 @@ RBDYN_INLINE void SeriesAbreast::find_increments(std::span<const double> places)
 }
 
 RBDYN_INLINE double SeriesAbreast::increment(int motion, int input) const {
-    return tape_->increments_there.data()->lanes[input * width_ + motion];
+    return abreast::Tape::lanes_of(tape_->increments_there)[input * width_ + motion];
 }
 
 RBDYN_INLINE std::size_t SeriesAbreast::sizes_of(int first, int count) const {
@@ -339,7 +339,7 @@ RBDYN_INLINE std::size_t SeriesAbreast::sizes_of(int first, int count) const {
 }
 
 RBDYN_INLINE void SeriesAbreast::sizes(int motion, int first, int count, double* out) const {
-    const double* from = tape_->all_sizes[sizes_of(first, count)].values.data()->lanes + motion;
+    const double* from = abreast::Tape::lanes_of(tape_->all_sizes[sizes_of(first, count)].values) + motion;
     for (int k = 0; k <= order_; ++k, from += width_) out[k] = *from;
 }
 
