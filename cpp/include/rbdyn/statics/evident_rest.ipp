@@ -104,6 +104,25 @@ inline bool is_about_zero(const Along& along, double here, double same) {
     return (ahead->value > 0.0) != (back->value > 0.0) || least >= far_more * std::abs(here);
 }
 
+/// Whether secants, from a first step on, come to a zero that is a few such steps away, as they do to one of any order.
+/// Of a force that fades they go on, and lose less.
+inline bool is_beside_zero(const Along& along, double here, double step) {
+    constexpr int most = 40;
+    constexpr double most_steps = 8.0, less = 1e-6;
+    double last = 0.0, last_value = here, now = step;
+    for (int k = 0; k < most; ++k) {
+        Interruption::point();
+        const auto f = along.at(now);
+        if (!f || f->value == last_value) return false;
+        if (std::abs(f->value) <= less * std::abs(here)) return true;
+        const double next = now - f->value * (now - last) / (f->value - last_value);
+        if (!(std::abs(next) <= most_steps * std::abs(step))) return false;
+        last = std::exchange(now, next);
+        last_value = f->value;
+    }
+    return false;
+}
+
 }  // namespace evidence
 
 RBDYN_INLINE bool is_evident(TreeForces& forces, const std::vector<double>& q, const Forces::State& s,
@@ -142,14 +161,18 @@ RBDYN_INLINE bool is_evident(TreeForces& forces, const std::vector<double>& q, c
         constexpr double scarcely = 0x1p-58, large = 1e3;
         const double unit = std::min(1.0 / share, large * std::max(size, away));
         const double same = std::max(64.0 * epsilon * size, scarcely * unit);
-        if (const double step = here->value / ways.squares[at(k)]; std::abs(step) <= same) {
+        const double step = here->value / ways.squares[at(k)];
+        if (std::abs(step) <= same) {
             constexpr double less = 0.25, nothing = 0x1p-30;
             const auto there = along.at(step);
             if (there && std::abs(there->value) <= std::max(less * std::abs(here->value), nothing * there->noise))
                 continue;
         }
         if (std::abs(here->value) > std::max(64.0 * here->noise, 4096.0 * epsilon * effort)) {
-            if (!evidence::is_about_zero(along, here->value, same)) return false;
+            // doubles know a zero of higher order by a part of the unit that is a root of their rounding
+            constexpr double near = 0x1p-10;
+            const bool is_near = std::abs(step) <= near * unit && evidence::is_beside_zero(along, here->value, step);
+            if (!is_near && !evidence::is_about_zero(along, here->value, same)) return false;
             continue;
         }
         constexpr double round = 3.0, wide = 16.0, part = 1e-3;

@@ -246,7 +246,13 @@ RBDYN_INLINE void PathEquilibria::find_points() {
             continue;
         }
         for (const double x : zeros_of(p)) add(p, x);
-        if (i > 0) add_jump(path_[i - 1], p);
+        if (i == 0) continue;
+        add_jump(path_[i - 1], p);
+        // a zero where two pieces meet lies beyond the end of both, as rounding may have it
+        const double before = path_[i - 1].value(PathForces::along, 1.0), after = p.value(PathForces::along, -1.0);
+        const bool meets = !p.cut_below && !path_[i - 1].cut_above && adjoin(path_[i - 1].end(), p);
+        if (meets && !(before < 0.0 && after < 0.0) && !(before > 0.0 && after > 0.0))
+            add_near(p.begin(), std::min(p.half, path_[i - 1].half));
     }
     // pieces that grow ever shorter towards a zero do not reach it
     if (!path_.empty() && !std::isfinite(low_)) add_near(path_.front().begin(), 32.0 * path_.front().half);

@@ -97,8 +97,15 @@ RBDYN_INLINE bool is_zero(TreeForces& forces, const TreeForces::Wide& place) {
     if (place.empty()) return false;
     const TreeForces::Wide f = forces.force_at(place);
     const std::vector<double> sizes = forces.force_sizes(place);
-    for (std::size_t i = 0; i < f.size(); ++i)
-        if (!(std::abs(f[i].hi) <= some * sizes[i]) || !std::isfinite(sizes[i])) return false;
+    // of one term that vanishes to higher order there is all left of it, which is nothing beside other forces
+    constexpr double nothing = 0x1p-96;
+    const std::vector<double> metric = forces.at_rest(forces.nearest(place)).metric;
+    double most = 0.0;
+    for (std::size_t i = 0; i < f.size(); ++i) most = std::max(most, sizes[i] / std::sqrt(metric[i]));
+    for (std::size_t i = 0; i < f.size(); ++i) {
+        const double rounding = std::max(some * sizes[i], nothing * most * std::sqrt(metric[i]));
+        if (!(std::abs(f[i].hi) <= rounding) || !std::isfinite(rounding)) return false;
+    }
     return true;
 }
 

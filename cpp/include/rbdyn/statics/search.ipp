@@ -300,7 +300,9 @@ RBDYN_INLINE bool relax(TreeForces& forces, std::vector<double>& q) {
         q = next;
         now = there;
     }
-    return now.pushed && is_resolved(forces, q, now) && is_evident(forces, q, now, beginning);
+    // a zero of higher order may be a part of rounding away, farther than doubles go
+    return (now.pushed && is_resolved(forces, q, now) && is_evident(forces, q, now, beginning)) ||
+           approach(forces, q, beginning);
 }
 
 RBDYN_INLINE std::optional<FreeTurn> free_turn(Forces& forces, const std::vector<double>& q, const Forces::State& s,
