@@ -531,7 +531,9 @@ RBDYN_INLINE std::unique_ptr<Structure> TreeModel::record(const Mode& mode, cons
                 std::fill_n(kept.begin(), n, Expression(0.0));
                 for (int i = 0; i < bodies(); ++i) std::fill_n(kept.begin() + n + 12 * i + 6, 6, Expression(0.0));
             } else if (contacts() > 0) {
-                mechanics::keep_level(in_mode, mechanics::levels(in_mode, *conditions_, mode.slip), kept);
+                mechanics::keep_level(
+                    in_mode, mechanics::levels(in_mode, *conditions_, mode.slip), [&](int k) { return tree.turns(k); },
+                    kept);
             }
             tree.take(values);
             for (int i = 0; i < n; ++i) write.rate(i) = values[at(i)];
