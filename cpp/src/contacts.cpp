@@ -18,5 +18,6 @@
 #include "rbdyn/mechanics/tree_rough_strikes.ipp"
 #include "rbdyn/mechanics/tree_settling.ipp"
 #include "rbdyn/mechanics/tree_sharing.ipp"
+#include "rbdyn/mechanics/tree_straight.ipp"
 #include "rbdyn/mechanics/tree_strikes.ipp"
 #include "rbdyn/mechanics/tree_touch.ipp"

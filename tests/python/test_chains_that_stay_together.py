@@ -36,11 +36,8 @@ MASSES = [
 @pytest.mark.parametrize("along", [ALONG_X, ASKEW], ids=["x", "askew"])
 @pytest.mark.parametrize("gap", [1e-3, 0.1, 1.0])
 @pytest.mark.parametrize("masses", MASSES, ids=str)
-def test_what_does_not_part_goes_on_together_as_momentum_says(request, masses, gap, along):
-    """Seven of 18 ended as uncertain, for a force of 4e-47 N was told apart from none."""
-    if masses == [1, 1, 1] and gap == 0.1 and along is ASKEW:
-        reason = "two runs do not agree yet on the events of the second impact: refused as uncertain"
-        request.applymarker(pytest.mark.xfail(raises=rb.AccuracyError, strict=True, reason=reason))
+def test_what_does_not_part_goes_on_together_as_momentum_says(masses, gap, along):
+    """A force of 4e-47 N was told apart from none, a turn of 6e-16 rad/s judged by itself: both were uncertain."""
     gaps = gap * np.linspace(1.0, 1.5, len(masses) - 1)
     speeds = masses[0] / np.cumsum(masses)
     times = np.cumsum(gaps / speeds[:-1])

@@ -169,3 +169,36 @@ def test_a_slip_that_is_hardly_asked_for_takes_as_few_steps_in_any_direction(alo
     assert [e.kind for e in turned.events] == [e.kind for e in plain.events]
     assert np.allclose([e.time for e in turned.events], [e.time for e in plain.events], rtol=1e-9, atol=0)
     assert abs(other - way) < 1e-12
+
+
+@pytest.mark.parametrize("feet", [3, 4])
+@pytest.mark.parametrize("k", [0.5, 0.9])
+@pytest.mark.parametrize("end", [1e3, 1e5])
+def test_what_slides_straight_for_long_does_not_turn(feet, k, end):
+    """The forces of its feet balance: what rounding left of them turned it, and from 1e4 s on it was refused."""
+    slope, g = 0.3, 9.81
+    scene = rb.Scene(gravity=[g * np.sin(slope), 0, -g * np.cos(slope)])
+    box = scene.add(rb.shapes.box(2.0, [0.4, 0.3, 0.1]), position=[0, 0, 0.05])
+    three = [(0.2, 0), (-0.2, 0.15), (-0.2, -0.15)]
+    for x, y in three if feet == 3 else [(0.2, 0.15), (0.2, -0.15), (-0.2, 0.15), (-0.2, -0.15)]:
+        rough = rb.Coulomb(k * np.tan(slope))
+        scene.contact(box.point([x, y, -0.05]), rb.Plane([0, 0, 1]), friction=rough)
+    run = rb.simulate(scene, end)
+    way = 0.5 * g * np.sin(slope) * (1 - k) * end**2
+    assert run.error <= 1e-9
+    assert run[box].position(end)[0] == pytest.approx(way, rel=1e-13)
+    assert list(run[box].angular_velocity(end)) == [0.0, 0.0, 0.0]
+
+
+@pytest.mark.parametrize("odd", ["torque", "friction"])
+def test_what_is_pushed_to_turn_as_it_slides_turns(odd):
+    """A torque that begins as zero turns it, and so does one foot that is rougher than the others."""
+    scene = rb.Scene(gravity=[0, 0, -9.81])
+    box = scene.add(rb.shapes.box(2.0, [0.4, 0.3, 0.1]), position=[0, 0, 0.05], velocity=[3.0, 0, 0])
+    for i, (x, y) in enumerate([(0.2, 0), (-0.2, 0.15), (-0.2, -0.15)]):
+        rough = rb.Coulomb(0.2 if odd == "friction" and i == 1 else 0.1)
+        scene.contact(box.point([x, y, -0.05]), rb.Plane([0, 0, 1]), friction=rough)
+    if odd == "torque":
+        scene.apply(rb.Torque(lambda t, r, w: [0, 0, 0.1 * t]), box)
+    run = rb.simulate(scene, 0.5)
+    assert abs(run[box].angular_velocity(0.5)[2]) > 0.01

@@ -80,3 +80,22 @@ def test_momentum_that_is_rounding_does_not_drift():
     run = rb.simulate(scene, 1.0, error=1e-9)
     assert {"momentum x", "momentum y"} <= set(run.drift)
     assert max(run.drift.values()) < 1e-13
+
+
+@pytest.mark.parametrize(("pin", "rate"), [(0.02, 0.0), (0.0, 3.0)])
+@pytest.mark.parametrize("k", [0.0, 0.5, 0.9])
+def test_a_wheel_on_a_body_that_slides_on_feet_bears_no_moment(k, pin, rate):
+    """A balanced wheel, held or turning evenly, on a box that slides: its moment is what rounding turns the box by."""
+    slope, g = 0.3, 9.81
+    scene = rb.Scene(gravity=[g * np.sin(slope), 0, -g * np.cos(slope)])
+    box = scene.add(rb.shapes.box(2.0, [0.4, 0.3, 0.1]), position=[0, 0, 0.05], velocity=[1.0, 0, 0])
+    for x, y in [(0.2, 0), (-0.2, 0.15), (-0.2, -0.15)]:
+        rough = rb.Coulomb(k * np.tan(slope)) if k else None
+        scene.contact(box.point([x, y, -0.05]), rb.Plane([0, 0, 1]), friction=rough)
+    hinge = rb.Revolute([0, 1, 0], at=[0, 0, 0.1], friction=rb.Coulomb(0.1) if pin else None, pin_radius=pin)
+    wheel = scene.add(rb.RigidBody(0.5, [0.01, 0.012, 0.01]), hinge, parent=box, rate=rate)
+    run = rb.simulate(scene, 1.0, error=1e-9)
+    assert run.error <= 1e-9
+    way = 1.0 + 0.5 * g * (np.sin(slope) - k * np.tan(slope) * np.cos(slope))
+    assert run[box].position(1.0)[0] == pytest.approx(way, rel=1e-12)
+    assert abs(run[wheel].angle(1.0) - rate) < 1e-12

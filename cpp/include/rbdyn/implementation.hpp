@@ -179,6 +179,7 @@
 #include "rbdyn/mechanics/tree_sharing.ipp"
 #include "rbdyn/mechanics/tree_slip_directions.ipp"
 #include "rbdyn/mechanics/tree_state.ipp"
+#include "rbdyn/mechanics/tree_straight.ipp"
 #include "rbdyn/mechanics/tree_strikes.ipp"
 #include "rbdyn/mechanics/tree_touch.ipp"
 #include "rbdyn/mechanics/tree_writer.ipp"

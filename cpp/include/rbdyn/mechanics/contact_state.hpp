@@ -78,13 +78,14 @@ struct ResistanceMemory {
 /// Mode::memory: when anything struck last [s], then of each contact what follows.
 struct ContactMemory {
     static constexpr int terms = 8;  // of a direction that curves
-    static constexpr int parameters = 11, more = terms + 1, numbers = parameters + more + 2;
+    static constexpr int parameters = 12, more = terms + 1, numbers = parameters + more + 2;
 
     Vector3 axis = Vector3::Zero();  // it slides along axis x normal
     double least = 0.0;              // a speed below which the direction of sliding is rounding [m/s]
     // what it exerts along axes that are no rows of their own: force + rate (t - since) [N, N/s, s]
     Vector3 force = Vector3::Zero(), rate = Vector3::Zero();
     double since = 0.0;
+    bool keeps = false;  // its body stands flat, slides straight and does not turn
     // it curves: by which angle from its axis, a polynomial in t - since without its first coefficient, and until when
     double angle[terms] = {}, until = 0.0;
     bool shares = false;   // it is held, and the motion does not determine its force
@@ -95,22 +96,22 @@ struct ContactMemory {
     static int known(signed char state) { return contact_state::is_curved(state) ? parameters + more : parameters; }
     static ContactMemory of(const std::vector<double>& memory, int contact) {
         const double* const m = memory.data() + place(contact);
-        ContactMemory result{{m[0], m[1], m[2]}, m[3], {m[4], m[5], m[6]}, {m[7], m[8], m[9]}, m[10], {},
-                             m[11 + terms]};
-        std::copy(m + 11, m + 11 + terms, result.angle);
-        result.shares = m[12 + terms] != 0.0;
-        result.at_edge = m[13 + terms] != 0.0;
+        ContactMemory result{{m[0], m[1], m[2]}, m[3], {m[4], m[5], m[6]},   {m[7], m[8], m[9]}, m[10],
+                             m[11] != 0.0,       {},   m[parameters + terms]};
+        std::copy(m + parameters, m + parameters + terms, result.angle);
+        result.shares = m[parameters + 1 + terms] != 0.0;
+        result.at_edge = m[parameters + 2 + terms] != 0.0;
         return result;
     }
     void put(std::vector<double>& memory, int contact) const {
         double* const m = memory.data() + place(contact);
         const double all[parameters] = {axis[0],  axis[1], axis[2], least,   force[0], force[1],
-                                        force[2], rate[0], rate[1], rate[2], since};
+                                        force[2], rate[0], rate[1], rate[2], since,    keeps ? 1.0 : 0.0};
         std::copy(all, all + parameters, m);
         std::copy(angle, angle + terms, m + parameters);
-        m[11 + terms] = until;
-        m[12 + terms] = shares ? 1.0 : 0.0;
-        m[13 + terms] = at_edge ? 1.0 : 0.0;
+        m[parameters + terms] = until;
+        m[parameters + 1 + terms] = shares ? 1.0 : 0.0;
+        m[parameters + 2 + terms] = at_edge ? 1.0 : 0.0;
     }
 };
 

@@ -42,6 +42,8 @@ public:
         Anchor a, b;
     };
     const std::vector<Coupled>& couplings() const { return couplings_; }
+    /// Whether anything but its weight acts on a body.
+    bool acts_on(int body) const;
     int loads() const { return static_cast<int>(loads_.size()); }
 
 private:

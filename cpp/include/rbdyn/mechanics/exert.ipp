@@ -3,6 +3,7 @@
 
 #include "rbdyn/mechanics/exert.hpp"
 
+#include <algorithm>
 #include <variant>
 #include <vector>
 
@@ -56,6 +57,11 @@ RBDYN_INLINE Wrench<Expression> Exerted::wrench(const Applied& load, const Tree&
     }
     w.moment = cross<S>(p.arm, w.force);
     return w;
+}
+
+RBDYN_INLINE bool Exerted::acts_on(int body) const {
+    return std::ranges::any_of(loads_, [&](const Applied& load) { return load.at.body == body; }) ||
+           std::ranges::any_of(couplings_, [&](const Coupled& c) { return c.a.body == body || c.b.body == body; });
 }
 
 RBDYN_INLINE Acts Exerted::all(const Tree& tree, const S& t, const std::vector<Moving<S>>& all, const S* q,

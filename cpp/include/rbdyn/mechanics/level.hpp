@@ -38,6 +38,7 @@ struct Level {
     Vector3Of<DoubleDouble> tangents[2];  // the first of them are the ways it may go
     std::size_t ways;                     // how many: of a body in a plane one
     bool turns;                           // about the normal
+    int on = -1;                          // of planes of the world: the first contact with them
 
     /// What of an acceleration goes along the plane.
     Vector3Of<Expression> along(const Vector3Of<Expression>& a) const {
@@ -170,6 +171,7 @@ inline std::vector<std::optional<Level>> levels(const Tree& tree, const Conditio
                 found[i] = leveling::standing(tree.node(static_cast<int>(i)), on,
                                               below == nullptr ? c->normal : (*below)->normal,
                                               below == nullptr ? c->tangents : (*below)->tangents);
+                if (found[i] && below == nullptr) found[i]->on = static_cast<int>(c - conditions.contacts().data());
                 goes_on = goes_on || found[i].has_value();
             }
     }
@@ -177,9 +179,10 @@ inline std::vector<std::optional<Level>> levels(const Tree& tree, const Conditio
 }
 
 /// Takes from rates of variables, and from the accelerations of bodies behind them, in the layout of tree_state.hpp,
-/// what these do not have.
-inline void keep_level(const Tree& tree, const std::vector<std::optional<Level>>& levels,
-                       std::vector<Expression>& values) {
+/// what these do not have. `turns`: of a contact the factor of how what stands on it turns.
+template <class Turns>
+void keep_level(const Tree& tree, const std::vector<std::optional<Level>>& levels, const Turns& turns,
+                std::vector<Expression>& values) {
     const auto replace = [](Expression* to, const Vector3Of<Expression>& v) { std::copy_n(v.data(), 3, to); };
     const auto vector = [](const Expression* from) { return Vector3Of<Expression>(from[0], from[1], from[2]); };
     for (int i = 0; i < tree.size(); ++i) {
@@ -192,7 +195,8 @@ inline void keep_level(const Tree& tree, const std::vector<std::optional<Level>>
             replace(rates, level.along(vector(rates)));
             continue;
         }
-        replace(acts, level.about(vector(acts)));
+        const Expression turning = level.on < 0 ? Expression(1.0) : Expression(turns(level.on));
+        replace(acts, Vector3Of<Expression>(level.about(vector(acts)) * turning));
         if (const auto* law = tree.node(i).joint.as<PlanarLaw>()) {
             const Vector3Of<Expression> x = exactly<Expression>(law->x), y = exactly<Expression>(law->y),
                                         a = level.along(Vector3Of<Expression>(x * rates[0] + y * rates[1]));
@@ -201,7 +205,7 @@ inline void keep_level(const Tree& tree, const std::vector<std::optional<Level>>
             rates[2] = Expression(0.0);
         } else {
             replace(rates, level.along(vector(rates)));
-            replace(rates + 3, level.about(vector(rates + 3)));
+            replace(rates + 3, Vector3Of<Expression>(level.about(vector(rates + 3)) * turning));
         }
     }
 }

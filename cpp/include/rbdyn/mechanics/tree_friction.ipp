@@ -54,7 +54,13 @@ RBDYN_INLINE bool TreeModel::holds_all(const std::vector<int>& rows) const {
     return !is_driven();
 }
 
-RBDYN_INLINE void TreeModel::own_parameters(Mode& mode, std::span<const double> /*x*/) const {
+RBDYN_INLINE void TreeModel::own_parameters(Mode& mode, std::span<const double> x) const {
+    for (int k = 0; k < contacts(); ++k) {
+        if (!mechanics::contact_state::has_numbers(conditions_->contacts()[at(k)], mode.slip[at(k)])) continue;
+        mechanics::ContactMemory memory = mechanics::ContactMemory::of(mode.memory, k);
+        memory.keeps = keeps_straight(mode, conditions_->contacts()[at(k)].a.body, x);
+        memory.put(mode.memory, k);
+    }
     std::size_t next = 0;
     for (int k = 0; k < contacts(); ++k) {
         if (!mechanics::contact_state::has_numbers(conditions_->contacts()[at(k)], mode.slip[at(k)])) continue;

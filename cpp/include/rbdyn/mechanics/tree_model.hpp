@@ -288,6 +288,8 @@ private:
                        const std::vector<mechanics::Moving<double>>& before,
                        const std::vector<mechanics::Moving<double>>& now, std::vector<Happening>& happenings) const;
     void own_parameters(Mode& mode, std::span<const double> x) const override;
+    /// Whether a body slides straight on rough planes of the world and does not turn (tree_straight.ipp).
+    bool keeps_straight(const Mode& mode, int body, std::span<const double> x) const;
     // --- what comes to rest (tree_rest.ipp) ---
 
     /// Whether a body that touches surfaces is at rest on all of them, and stays so, but for rounding.

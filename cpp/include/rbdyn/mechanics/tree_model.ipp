@@ -35,12 +35,15 @@ namespace rbdyn::inline RBDYN_FORM {
 
 namespace tree_models {
 
+/// What is left, by so much of its terms, of sums of forces or of velocities that are zero.
+inline constexpr double rounding = 1e3 * std::numeric_limits<double>::epsilon();
+
 /// A reaction without what it has along what a smooth joint lets go, where that is rounding: it transmits nothing
 /// there. Of light bodies that are pressed hard that is far more than rounding of their own weight. `effort`: the sizes
 /// of what the reaction is made of.
 inline Wrench<double> across(const mechanics::JointTwists<double>& lets, Wrench<double> reaction,
                              const Wrench<double>& effort) {
-    constexpr double rounding = 1e-9;
+    constexpr double nothing = 1e-9;
     std::array<Vector3, 6> moves, turns;
     std::size_t n_moves = 0, n_turns = 0;
     const auto take = [](Vector3 way, auto& ways, std::size_t& n, Vector3& part, double most) {
@@ -49,7 +52,7 @@ inline Wrench<double> across(const mechanics::JointTwists<double>& lets, Wrench<
         if (!(length > 1e-6) || n == 3) return;
         ways[n] = way / length;
         const double along = ways[n].dot(part);
-        if (std::abs(along) <= rounding * most) part -= ways[n] * along;
+        if (std::abs(along) <= nothing * most) part -= ways[n] * along;
         ++n;
     };
     for (std::size_t k = 0; k < lets.size(); ++k) {
@@ -386,11 +389,18 @@ RBDYN_INLINE void TreeModel::observe(const Mode& mode, double t, std::span<const
     const auto place_held = [&](int i, double scale) {
         return body_held(tree_->size() + i) ? static_cast<float>(scale) : 0.0F;
     };
+    std::vector<bool> touches(at(bodies()), false);
+    for (const mechanics::ContactLaw& c : conditions_->contacts())
+        for (const int body : {c.a.body, c.b.body})
+            if (body >= 0) touches[at(body)] = true;
+    // how quickly a body, or one that carries it, could begin to turn by the forces on it [rad/s]
+    std::vector<double> paces(at(bodies()), 0.0);
     for (int i = 0; i < bodies(); ++i) {
         const mechanics::TreeState::Body& b = state.bodies[at(i)];
         const mechanics::Moving<double>& m = state.moving[at(i)];
         const mechanics::Node& n = tree_->node(i);
         const double mass = static_cast<double>(n.mass);
+        double turned = 0.0;  // what moves it with that pace [N m]
         out.push_back({b.center, true, 0.0, b.center.norm(), Alike::place, place_held(i, size_)});
         out.push_back({b.velocity, false, 0.0, b.velocity.norm(), Alike::velocity, place_held(i, fastest),
                        mass > 0.0 ? b.effort.force.norm() / mass : 0.0});
@@ -400,7 +410,13 @@ RBDYN_INLINE void TreeModel::observe(const Mode& mode, double t, std::span<const
             const double moments = b.inertia(0, 0) + b.inertia(1, 1) + b.inertia(2, 2),
                          gyration = mass > 0.0 ? std::sqrt(moments / mass) : 0.0,
                          natural = gyration > 0.0 ? std::sqrt(b.effort.force.norm() / (mass * gyration)) : 0.0;
-            out.push_back({m.omega, false, 0.0, std::max(m.omega.norm(), natural), Alike::turning, turn_held(i)});
+            // and so it is beside what contacts at this speed would: where it strikes, and nothing pushes afterwards
+            const bool is_none = gyration > 0.0 && touches[at(i)] &&
+                                 m.omega.norm() * gyration <= tree_models::rounding * b.velocity.norm();
+            out.push_back({is_none ? Vector3(Vector3::Zero()) : m.omega, false, 0.0,
+                           std::max(is_none ? 0.0 : m.omega.norm(), natural), Alike::turning, turn_held(i)});
+            paces[at(i)] = std::max(n.parent < 0 ? 0.0 : paces[at(n.parent)], natural);
+            turned = moments * paces[at(i)] * paces[at(i)];
         }
         const bool is_free = n.joint.as<mechanics::FreePointLaw>() != nullptr ||
                              n.joint.as<mechanics::FreeBodyLaw>() != nullptr || is_flying(mode, i);
@@ -413,6 +429,8 @@ RBDYN_INLINE void TreeModel::observe(const Mode& mode, double t, std::span<const
         out.push_back({reaction.force * counts, false, 0.0, b.effort.force.norm(), Alike::force});
         if (n.is_point || n.joint.as<mechanics::SphericalLaw>() != nullptr) continue;
         Vector3 moment = reaction.moment;
+        // the moment that turns it with what carries it, which does not turn but by rounding
+        if (contacts() > 0 && moment.norm() <= tree_models::rounding * turned) moment = Vector3::Zero();
         const auto rubs = std::find_if(joints_.begin(), joints_.end(), [&](const mechanics::RoughJoint& joint) {
             return joint.turns && joint.body == i;
         });
@@ -513,7 +531,9 @@ RBDYN_INLINE std::unique_ptr<Structure> TreeModel::record(const Mode& mode, cons
                 std::fill_n(kept.begin(), n, Expression(0.0));
                 for (int i = 0; i < bodies(); ++i) std::fill_n(kept.begin() + n + 12 * i + 6, 6, Expression(0.0));
             } else if (contacts() > 0) {
-                mechanics::keep_level(in_mode, mechanics::levels(in_mode, *conditions_, mode.slip), kept);
+                mechanics::keep_level(
+                    in_mode, mechanics::levels(in_mode, *conditions_, mode.slip), [&](int k) { return tree.turns(k); },
+                    kept);
             }
             tree.take(values);
             for (int i = 0; i < n; ++i) write.rate(i) = values[at(i)];

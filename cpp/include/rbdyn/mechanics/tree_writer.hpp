@@ -49,6 +49,8 @@ public:
     /// The rates of all variables, and what acts, in the layout of tree_state.hpp.
     std::vector<S> laws();
     /// Takes them as they are in the motion, each distinction weighed once.
+    /// A factor of how a body turns that stands on a contact: 0 where it slides straight.
+    const S& turns(int contact) const { return friction_[at(contact)].turns; }
     void take(std::span<const S> values) { values_.assign(values.begin(), values.end()); }
     /// The guards of contacts: what comes to touch, what would have to pull, and what friction does next.
     void touch(EquationsWriter& write) const;
@@ -85,6 +87,7 @@ private:
         Vector3Of<S> along = none<S>();  // the direction it slides in
         S speed = S(0.0);                // in that direction
         S left = S(0.0);                 // of the time in which it curves [s]
+        S turns = S(1.0);                // 0: its body slides straight and does not turn
     };
     /// The place among the values of what a rough contact does: its force (3), and where it slides numerator and
     /// denominator of N; its torque (3).

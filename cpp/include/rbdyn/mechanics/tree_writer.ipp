@@ -47,6 +47,7 @@ RBDYN_INLINE TreeWriter::TreeWriter(Recorder& r, const Tree& tree, const Conditi
         Friction& f = friction_[k];
         f.axis = {numbers[0], numbers[1], numbers[2]};
         f.least = numbers[3];
+        f.turns = S(1.0) - numbers[11];
         for (int i = 0; i < 3; ++i) f.force[i] = numbers[4 + i] + numbers[7 + i] * (r.time() - numbers[10]);
         if (!contact_state::slides(states_[k]) &&
             !(contact_state::is_given(states_[k]) && conditions.contacts()[k].is_rough()))
