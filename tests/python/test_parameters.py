@@ -216,7 +216,7 @@ def run_of():
         (lambda: rb.Scene().add(rb.Particle(1.0), rb.Rail(rb.Line([1, 0, 0])), speed=k), "speed"),
         (lambda: rb.Scene().add(body, attitude=[1, 0, 0, k]), "attitude"),
         (lambda: rb.Scene().add(body, rb.Revolute([0, 0, 1]), angle=k), "angle"),
-        (lambda: run_of()[0].connect(rb.Spring(1.0), run_of()[1], [0, 0, k]), "b is|another scene"),
+        (lambda of=run_of: (lambda s: s[0].connect(rb.Spring(1.0), s[1], [0, 0, k]))(of()), "b is"),
         (lambda: rb.simulate(run_of()[0], k), r"simulate\("),
         (lambda: rb.simulate(run_of()[0], 1.0, error=k), r"simulate\("),
         (lambda: rb.simulate(run_of()[0], 1.0, start=k), r"simulate\("),

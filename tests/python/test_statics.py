@@ -399,3 +399,31 @@ def test_a_pole_of_a_torque_is_no_state_of_rest(sign, place):
     (low, high) = states(lambda q: 1 / np.tan(q))
     assert abs(low[0] + math.pi / 2) < 1e-14 and abs(high[0] - math.pi / 2) < 1e-14
     assert low[1] == high[1] == (sign > 0)
+
+
+@pytest.mark.parametrize("unit", [1.0, 10.0, 100.0, 1e3, 1e6])
+def test_rests_of_a_slide_in_decimal_units(unit):
+    """A zero that two pieces of the search share is beyond the end of both, by rounding."""
+    for first, second in [(-1.8, 0.9), (-1.1, 2.4), (0.5, -0.1), (-2.5, -0.3), (1.2, 0.7)]:
+        scene = rb.Scene()
+        slide = scene.add(rb.RigidBody(1.0, [1, 1, 1]), rb.Prismatic([0, 0, 1]))
+        scene.apply(rb.JointForce(lambda t, q, v, a=first, b=second: (q / unit - a) * (q / unit - b)), slide)
+        rests = rb.equilibria(scene)
+        assert [r.coordinates[0] for r in rests] == pytest.approx(sorted([first * unit, second * unit]), rel=1e-14)
+        assert [r.stable for r in rests] == [True, False]
+
+
+@pytest.mark.parametrize("place", [(0.0, 0.0), (0.125, -1.375), (0.5, 0.1), (1.86, 0.1)], ids=str)
+def test_a_rest_of_higher_order_in_a_bent_valley(place):
+    """u^3 along a valley that bends: the one place where all slopes vanish, stable to no side of it."""
+    scene = rb.Scene()
+    point = scene.add(rb.Particle(1.0), position=[0.3, 0.2, 0.1])
+
+    def energy(x):
+        u, w = x[0] - place[0], x[1] - place[1]
+        return -(0.618 * u**3 + 3.97 * (w - 0.2 * u * u) ** 2 + 3 * x[2] ** 2)
+
+    scene.apply(rb.Potential(energy), point)
+    (rest,) = rb.equilibria(scene, near=[place[0] + 0.01, place[1] + 0.005, 0.0])
+    assert rest.coordinates == pytest.approx([*place, 0.0], abs=1e-7)
+    assert not rest.stable

@@ -116,7 +116,7 @@ RBDYN_INLINE std::vector<double> TreeForces::moved(std::vector<double> q, const 
     const Wide v = velocities(rows(moving(from)), Wide(step.begin(), step.end()));
     for (int i = 0; i < bodies(); ++i) {
         const mechanics::Node& n = tree().node(i);
-        double* own = &q[at(n.q)];
+        double* own = q.data() + n.q;
         const int turns = n.joint.attitude(), moves = turns >= 0 ? turns : n.joint.velocities();
         for (int k = 0; k < moves; ++k) own[k] += static_cast<double>(v[at(n.v + k)]);
         if (const mechanics::RailLaw* rail = n.joint.rail())

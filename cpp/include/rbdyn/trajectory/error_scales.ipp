@@ -43,7 +43,8 @@ RBDYN_INLINE ErrorScales ErrorScales::of(std::span<const double> numbers) {
 }
 
 RBDYN_INLINE void ErrorScales::widen(std::span<const Observed> seen) {
-    scales_.resize(seen.size());
+    // where a body flies less is seen of it than on its rail
+    if (scales_.size() < seen.size()) scales_.resize(seen.size());
     for (std::size_t k = 0; k < seen.size(); ++k) {
         Scale& s = scales_[k];
         const Observed& o = seen[k];
