@@ -81,16 +81,20 @@ RBDYN_INLINE bool EventSearch::is_passed_barely(const Mode& mode, const Guard& g
 
 RBDYN_INLINE double EventSearch::polished_low(const Mode& mode, const Guard& guard, double cut, double slope) {
     double best = std::numeric_limits<double>::infinity(), place = cut;
-    // how far the rounding of doubles may have moved it, which may be a part of the whole way
-    const double off = 4.0 * value_rounding(mode, guard, cut / engine_.piece().length) / std::abs(slope),
-                 most = std::max(1e-3 * cut, std::min(off, 0.5 * cut));
+    const double start = cut;
+    // or as far as the rounding of doubles may have moved it, which may be a part of the whole way
+    const auto is_near = [&](double way) {
+        if (way < 1e-3 * start) return true;
+        const double off = 4.0 * value_rounding(mode, guard, start / engine_.piece().length) / std::abs(slope);
+        return way < std::min(off, 0.5 * start);
+    };
     for (int iteration = 0; iteration < 4; ++iteration) {
         const double g = fine_value(mode, guard, place);
         if (!(std::abs(g) < best)) break;
         best = std::abs(g);
         cut = place;
         place = cut - g / slope;
-        if (!(std::abs(place - cut) < most) || place == cut || place <= 0.0 || place > engine_.piece().length) break;
+        if (!is_near(std::abs(place - cut)) || place == cut || place <= 0.0 || place > engine_.piece().length) break;
     }
     return cut;
 }

@@ -252,6 +252,10 @@ private:
     /// Moves a state, where x is its doubles, by programs or by the tree; `before`: as it was.
     void hold(RowValues& rows, std::span<const double> x, std::vector<Real>& wide, double t) const;
     void hold(std::span<const double> x, std::vector<Real>& wide, const std::vector<Real>& before, double t) const;
+    /// Newton's steps by what is asked of the rows, until that is rounding.
+    template <class Asked, class Changes>
+    void close_gaps(const Asked& asked, const Changes& changes, double rounding, std::vector<Real>& wide,
+                    double t) const;
     void add_to_velocities(const std::vector<double>& changes, std::vector<Real>& wide) const;
 
     std::shared_ptr<const Tree> tree_;

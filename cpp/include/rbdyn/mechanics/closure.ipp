@@ -186,22 +186,24 @@ RBDYN_INLINE void TreeProjection::apply(std::span<double> x, std::span<double> l
 RBDYN_INLINE void TreeProjection::hold(RowValues& rows, std::span<const double> x, std::vector<Real>& wide,
                                        double t) const {
     rows.look(t, x);
-    const auto asked = [](std::span<const Real> off) {
-        std::vector<double> result;
-        for (const Real value : off) result.push_back(-static_cast<double>(value));
-        return result;
-    };
-    // once is enough after a step of full accuracy
+    close_gaps([&] { return rows.against_gaps(t, wide); },
+               [&](const std::vector<double>& asked) { return rows.changes(asked); }, 0.0, wide, t);
+    add_to_velocities(rows.changes(rows.against_rates(t, wide)), wide);
+}
+
+template <class Asked, class Changes>
+void TreeProjection::close_gaps(const Asked& asked, const Changes& changes, double rounding, std::vector<Real>& wide,
+                                double t) const {
     double last = std::numeric_limits<double>::infinity();
     for (int pass = 0; pass < 3; ++pass) {
-        const std::vector<double> gaps = asked(rows.gaps(t, wide));
-        const double left = closing::largest(gaps);
-        if (left == 0.0 || left > 1e-3 * last) break;
+        const std::vector<double> now = asked();
+        const double left = closing::largest(now);
+        if (left <= rounding || left > 1e-3 * last) break;
         last = left;
-        closing::move<Real>(*tree_, t, rows.changes(gaps), wide);
+        closing::move<Real>(*tree_, t, changes(now), wide);
+        // once is enough after a step of full accuracy
         if (left < near_) break;
     }
-    add_to_velocities(rows.changes(asked(rows.rates(t, wide))), wide);
 }
 
 RBDYN_INLINE void TreeProjection::add_to_velocities(const std::vector<double>& changes, std::vector<Real>& wide) const {
@@ -216,21 +218,15 @@ RBDYN_INLINE void TreeProjection::hold(std::span<const double> x, std::vector<Re
     const closing::Responses now(*tree_, *conditions_, rows_, at);
     const std::optional<closing::Responses> other =
         rows_ == closed_ ? std::nullopt : std::make_optional<closing::Responses>(*tree_, *conditions_, closed_, at);
-    // once is enough after a step of full accuracy
-    double last = std::numeric_limits<double>::infinity();
-    for (int pass = 0; pass < 3; ++pass) {
-        const auto gaps = conditions_->gaps<Real>(*tree_, closing::moving<Real>(*tree_, t, wide));
-        const std::vector<double> asked = closing::chosen(gaps, closed_);
-        const double left = closing::largest(asked);
-        if (left == 0.0 || left > 1e-3 * last) break;
-        // of what touches the rounding of these digits is left: the state has more of them
-        if (!conditions_->contacts().empty() && !conditions_->is_rough() &&
-            left <= 16.0 * std::numeric_limits<Real>::epsilon() * closing::extent(at))
-            break;
-        last = left;
-        closing::move<Real>(*tree_, t, (other ? *other : now).changes(asked), wide);
-        if (left < near_) break;
-    }
+    // of what touches the rounding of these digits is left: the state has more of them
+    const bool is_smooth = !conditions_->contacts().empty() && !conditions_->is_rough();
+    close_gaps(
+        [&] {
+            const auto gaps = conditions_->gaps<Real>(*tree_, closing::moving<Real>(*tree_, t, wide));
+            return closing::chosen(gaps, closed_);
+        },
+        [&](const std::vector<double>& asked) { return (other ? *other : now).changes(asked); },
+        is_smooth ? 16.0 * std::numeric_limits<Real>::epsilon() * closing::extent(at) : 0.0, wide, t);
     const auto moved = closing::moving<Real>(*tree_, t, wide);
     std::vector<Real> rates;
     for (const auto& row : conditions_->rows<Real>(*tree_, moved)) rates.push_back(Conditions::rate(row, moved));

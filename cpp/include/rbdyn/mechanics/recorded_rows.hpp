@@ -57,18 +57,20 @@ public:
 
     RowValues(const RecordedRows& rows, int count, int velocities);
 
-    std::span<const Real> gaps(double t, const std::vector<Real>& x);
-    std::span<const Real> rates(double t, const std::vector<Real>& x);
+    /// What closes each gap, and ends its rate: minus these, as doubles.
+    std::vector<double> against_gaps(double t, const std::vector<Real>& x) { return against(gaps_, t, x); }
+    std::vector<double> against_rates(double t, const std::vector<Real>& x) { return against(rates_, t, x); }
     /// Where the answers are from now on.
     void look(double t, std::span<const double> x);
     /// The change of the velocity variables that changes each row by what is asked.
     std::vector<double> changes(const std::vector<double>& asked) const;
 
 private:
+    std::vector<double> against(Evaluator<Real>& values, double t, const std::vector<Real>& x) const;
+
     Evaluator<Real> gaps_, rates_;
     Evaluator<double> answers_;
     std::vector<std::vector<double>> matrix_;
-    std::vector<Real> values_;
     int velocities_;
 };
 

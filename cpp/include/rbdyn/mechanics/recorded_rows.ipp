@@ -68,19 +68,14 @@ RBDYN_INLINE RowValues::RowValues(const RecordedRows& rows, int count, int veloc
       rates_(rows.rates),
       answers_(rows.answers),
       matrix_(static_cast<std::size_t>(count), std::vector<double>(static_cast<std::size_t>(count))),
-      values_(static_cast<std::size_t>(count)),
       velocities_(velocities) {}
 
-RBDYN_INLINE std::span<const long double> RowValues::gaps(double t, const std::vector<Real>& x) {
-    gaps_(static_cast<Real>(t), x);
-    for (std::size_t j = 0; j < values_.size(); ++j) values_[j] = gaps_.output(static_cast<int>(j));
-    return values_;
-}
-
-RBDYN_INLINE std::span<const long double> RowValues::rates(double t, const std::vector<Real>& x) {
-    rates_(static_cast<Real>(t), x);
-    for (std::size_t j = 0; j < values_.size(); ++j) values_[j] = rates_.output(static_cast<int>(j));
-    return values_;
+RBDYN_INLINE std::vector<double> RowValues::against(Evaluator<Real>& values, double t,
+                                                    const std::vector<Real>& x) const {
+    values(static_cast<Real>(t), x);
+    std::vector<double> result;
+    for (int j = 0; j < static_cast<int>(matrix_.size()); ++j) result.push_back(-static_cast<double>(values.output(j)));
+    return result;
 }
 
 RBDYN_INLINE void RowValues::look(double t, std::span<const double> x) {
