@@ -1,7 +1,7 @@
 """Random bodies in space that touch, and their motion by time stepping, which shares nothing with the library.
 
-Balls, discs, ellipsoids and points of bodies over a plane that may lean, some on or inside a fixed sphere, some of the
-balls to strike each other. Where a part is nearest is found here from its support function, attitudes are rotation
+Balls, discs, ellipsoids and points of bodies over a plane that may lean, some on or inside a fixed sphere, some balls
+to strike each other. Where a part is nearest to a plane is found here from its support function, attitudes are rotation
 matrices, turned by exp(h omega) (O. Rodrigues), angular momenta follow the moments of forces, and impulses are those of
 J. J. Moreau's time stepping (Unilateral contact and dry friction in finite freedom dynamics, 1988): half a step of
 positions, impulses of all contacts that are closed there, half a step more. It finds no events; as its step goes to
@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import rbdyn as rb
+from touching_by_hand import disc, ellipsoid
 
 GRAVITY = 9.81
 
@@ -96,9 +97,8 @@ def random_scene(seed, *, rough):
 
     for i in range(random.integers(1, 4) if surface == "plane" else 1):
         kind = str(random.choice(["ball", "disc", "ellipsoid", "points"]))
-        # of a disc or an ellipsoid only a plane, or a ball, is a surface
         if surface != "plane":
-            kind = str(random.choice(["ball", "points"]))
+            kind = str(random.choice(["ball", "points", "disc", "ellipsoid"]))
         mass, sides, reach = random.uniform(0.5, 3.0), random.uniform(0.1, 0.3, 3), random.uniform(0.1, 0.3)
         moments = (
             mass
@@ -187,6 +187,12 @@ def touching(space, c, places, axes):
             low = -reach * n
         lowest = middle + low
         return lowest[2], n, lowest - place, None
+    if c.part in ("disc", "ellipsoid"):
+        inside = c.surface == "inside"
+        y = a.T @ (c.center - middle)
+        n, far = (disc(reach, inside) if c.part == "disc" else ellipsoid(c.size, inside))(y)
+        out = 1.0 if inside else -1.0
+        return -out * (far - c.radius), out * (a @ n), a @ (y - far * n), None
     away = middle - (places[c.other] if c.other >= 0 else c.center)
     far = math.sqrt(away @ away)
     if c.surface == "inside":

@@ -132,7 +132,10 @@ def test_a_ball_bounces_in_a_box():
         (lambda s, b: s.constrain(rb.Ball(), b, b), "both ends are on"),
         (lambda s, b: s.constrain(rb.Rod(-1.0), b, [0, 0, 0]), "Rod: length is -1"),
         (lambda s, b: s.contact(b, rb.Plane([0, 0, 0])), "length of normal"),
-        (lambda s, b: s.contact(b.disc(0.5, [0, 0, 1]), rb.Sphere([0, 0, 0], 1.0)), "touches a Plane"),
+        (
+            lambda s, b: s.contact(b.ellipsoid([1, 2, 3]), rb.Sphere([0, 0, 0], 4.0, inside=True)),
+            "largest radius of curvature of the ellipsoid",
+        ),
         (lambda s, b: s.apply(rb.JointForce(1.0), b), "acts along a Prismatic or Cylindrical joint"),
         (lambda s, b: rb.Universal([1, 0, 0], [1, 1, 0]), "at right angles"),
         (lambda s, b: s.assemble(), "the scene has no constraints"),

@@ -74,6 +74,8 @@ inline ContactLaw law_of(const Scene::Touch& touch, const Tree& tree) {
         c.surface = inside ? ContactLaw::Surface::bowl : ContactLaw::Surface::ball;
         c.b = center;
         c.surface_radius = radius;
+        if (const BodyEllipsoid* solid = std::get_if<BodyEllipsoid>(&touch.a))
+            c.nearest_of.emplace(solid->semi_axes, radius, inside);
     };
     if (const Plane* plane = std::get_if<Plane>(&touch.b)) take_plane(*plane, -1);
     if (const BodyPlane* plane = std::get_if<BodyPlane>(&touch.b)) take_plane(plane->plane, plane->body);

@@ -2,8 +2,9 @@
 //
 // A convex part about a centre c reaches h(n) far against a direction n, at the point c - s, s = grad h: a sphere rho
 // n, a disc across m the rim, r w/|w| with w = n - (n.m) m, an ellipsoid Q n/h with Q = sum a_i^2 e_i e_i^T. On a plane
-// with normal n the gap is n.(c - c0) - h; on a sphere with centre c0, n = (c - c0)/|c - c0|, it is |c - c0| - R - rho,
-// in a bowl R - |c - c0| - rho with the opposite n.
+// with normal n the gap is n.(c - c0) - h. On a sphere with centre c0 it is |d| - R, d = c - s - c0 to the point of the
+// part that is nearest to c0, n = d/|d|; in a bowl R - |d| with the farthest one and the opposite n
+// (nearest_point.hpp).
 //
 // gap' = n.u, u the velocity of the part's material point relative to the surface's. It is differentiated along the
 // point of contact p, which moves on both: u' = (a + alpha x r + omega x (p' - v)) of the part, less the same of the
@@ -11,6 +12,7 @@
 #pragma once
 
 #include <cmath>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -24,6 +26,7 @@
 #include "rbdyn/expression/given.hpp"
 #include "rbdyn/mechanics/accelerate.hpp"
 #include "rbdyn/mechanics/moving.hpp"
+#include "rbdyn/mechanics/nearest_point.hpp"
 #include "rbdyn/mechanics/tree.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
@@ -111,7 +114,8 @@ struct ContactLaw {
     Vector3Of<DoubleDouble> axis{}, normal{};  // of a disc, axes of a; of a plane, axes of b
     Vector3Of<DoubleDouble> given{};           // of a plane: its normal as it was given, as it is or in powers of two
     Vector3Of<DoubleDouble> own[3] = {};       // of an ellipsoid: its axes, each as long as its semi-axis, axes of a
-    bool is_gone = false;                      // taken away: it never closes
+    std::optional<nearest::OfEllipsoid> nearest_of;  // of an ellipsoid on a ball or in a bowl
+    bool is_gone = false;                            // taken away: it never closes
     double restitution = 0.0;
     Given mu_static, mu_dynamic;
     Given rolling, pivoting;                   // torques over N that resist turning along the surface and about n [m]
@@ -147,25 +151,45 @@ struct ContactLaw {
         const Moving<S>& of = all[static_cast<std::size_t>(a.body)];
         const auto center = tree.point<S>(a, all), foot = tree.point<S>(b, all);
         const Vector3Of<S> apart = center.place - foot.place;
+        const Vector3Of<S> moving = center.velocity - foot.velocity;
         Vector3Of<S> s = none<S>(), s_rate = none<S>();
         S reach = exactly<S>(radius);
+        const auto turned = [&](const Vector3Of<DoubleDouble>& fixed) {
+            const Vector3Of<S> world = of.to_world(exactly<S>(fixed));
+            return nearest::Led<S>{world, cross<S>(of.omega, world)};
+        };
         if (surface == Surface::plane) {
             result.normal = on.to_world(exactly<S>(normal));
             result.normal_rate = cross<S>(on.omega, result.normal);
         } else {
-            const S far = sqrt(dot<S>(apart, apart));
+            Vector3Of<S> d = apart, d_rate = moving;
+            S far;
+            if (part == Part::ball) {
+                far = sqrt(dot<S>(apart, apart));
+            } else {
+                const bool is_bowl = surface == Surface::bowl;
+                const NearestPoint<S> point =
+                    part == Part::disc
+                        ? nearest::of_disc<S>(turned(axis), reach, {apart, moving}, is_bowl)
+                        : nearest_of->of<S>({turned(own[0]), turned(own[1]), turned(own[2])}, {apart, moving});
+                s = point.s;
+                s_rate = point.s_rate;
+                far = point.far;
+                d = apart - s;
+                d_rate = moving - s_rate;
+                reach = S(0.0);
+            }
             const S sign(surface == Surface::bowl ? -1.0 : 1.0);
-            const Vector3Of<S> moving = center.velocity - foot.velocity;
-            result.normal = apart * (sign / far);
-            result.normal_rate = Vector3Of<S>(moving - result.normal * dot<S>(result.normal, moving)) * (sign / far);
+            result.normal = d * (sign / far);
+            result.normal_rate = Vector3Of<S>(d_rate - result.normal * dot<S>(result.normal, d_rate)) * (sign / far);
             result.gap = (far - exactly<S>(surface_radius)) * sign - reach;
         }
         const Vector3Of<S>&n = result.normal, &n_rate = result.normal_rate;
         if (part == Part::ball) {
             s = n * reach;
             s_rate = n_rate * reach;
-        } else if (part == Part::disc) {
-            const Vector3Of<S> m = of.to_world(exactly<S>(axis)), m_rate = cross<S>(of.omega, m);
+        } else if (surface == Surface::plane && part == Part::disc) {
+            const auto [m, m_rate] = turned(axis);
             const S along = dot<S>(n, m), along_rate = dot<S>(n_rate, m) + dot<S>(n, m_rate);
             const Vector3Of<S> w = n - m * along, w_rate = n_rate - m * along_rate - m_rate * along;
             const S length = sqrt(dot<S>(w, w));
@@ -173,10 +197,10 @@ struct ContactLaw {
             s = unit_w * reach;
             s_rate = Vector3Of<S>(w_rate - unit_w * dot<S>(unit_w, w_rate)) * (reach / length);
             reach = reach * length;
-        } else {
+        } else if (surface == Surface::plane) {
             Vector3Of<S> qn = none<S>(), qn_rate = none<S>();
             for (const auto& one : own) {
-                const Vector3Of<S> e = of.to_world(exactly<S>(one)), e_rate = cross<S>(of.omega, e);
+                const auto [e, e_rate] = turned(one);
                 const S along = dot<S>(e, n), along_rate = dot<S>(e_rate, n) + dot<S>(e, n_rate);
                 qn += e * along;
                 qn_rate += e_rate * along + e * along_rate;

@@ -215,7 +215,8 @@ RBDYN_INLINE std::string TreeModel::lies_flat(const std::vector<int>& closed,
                                               const std::vector<mechanics::Moving<double>>& all, double most) const {
     for (const int k : closed) {
         const mechanics::ContactLaw& c = conditions_->contacts()[at(k)];
-        if (c.part != mechanics::ContactLaw::Part::disc) continue;
+        // on a ball it touches with its face
+        if (c.part != mechanics::ContactLaw::Part::disc || c.surface == mechanics::ContactLaw::Surface::ball) continue;
         const Vector3 axis = all[at(c.a.body)].to_world(exactly<double>(c.axis));
         const double tilt = axis.cross(c.touching<double>(*tree_, all).normal).norm();
         if (tilt < most)

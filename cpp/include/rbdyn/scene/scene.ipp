@@ -307,10 +307,19 @@ RBDYN_INLINE ContactHandle Scene::contact(ContactPart a, ContactSurface b, Conta
         positive(sphere->radius, "radius");
         joints::require_finite("contact", "center", sphere->center);
     }
-    const bool is_round = std::holds_alternative<BodyDisc>(a) || std::holds_alternative<BodyEllipsoid>(a),
-               on_plane = std::holds_alternative<Plane>(b) || std::holds_alternative<BodyPlane>(b);
-    if (is_round && !on_plane)
-        throw InvalidInput("contact: a disc or an ellipsoid touches a Plane; a sphere or a point a Sphere too");
+    if (const Sphere* bowl = std::get_if<Sphere>(&b); bowl != nullptr && bowl->inside) {
+        // what does not fit its bend touches a bowl in two places at once
+        const BodyEllipsoid* solid = std::get_if<BodyEllipsoid>(&a);
+        const double bend = solid == nullptr ? 0.0
+                                             : solid->semi_axes.maxCoeff() *
+                                                   (solid->semi_axes.maxCoeff() / solid->semi_axes.minCoeff());
+        if (!(bend < bowl->radius))
+            throw InvalidInput("contact: the largest radius of curvature of the ellipsoid of " + body.name +
+                               ", the square of its largest semi-axis over the least one, is " + text(bend) +
+                               " m, and of the bowl " + text(bowl->radius) +
+                               " m; one that does not fit the bowl touches it in two places: give it spheres or points "
+                               "there, each a contact of its own");
+    }
     if (std::holds_alternative<BodyPlane>(b) && bodies()[static_cast<std::size_t>(second)].rigid() == nullptr)
         throw InvalidInput("contact: " + bodies()[static_cast<std::size_t>(second)].name +
                            " is a particle, which has no plane");
