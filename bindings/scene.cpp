@@ -160,13 +160,13 @@ ContactHandle contact(BoundScene& self, const AnyPart& a, const AnySurface& b,
     return self.handles.contacts.emplace_back(ContactHandle{new_handle(Handle::Of::contact, added.index, known)});
 }
 
-double assemble(BoundScene& self, const std::vector<BodyHandle>& keep) {
+double assemble(BoundScene& self, const std::vector<BodyHandle>& keep, double start) {
     std::vector<rbdyn::BodyHandle> kept;
     for (const BodyHandle& h : keep) kept.push_back(self.handles.body(h, "Scene.assemble"));
     // a copy, since other threads may read and change the scene meanwhile; what ends it leaves the scene as it was
     const rbdyn::Scene before = self.scene;
     rbdyn::Scene assembled = before;
-    const double moved = unlocked([&] { return assembled.assemble(kept); });
+    const double moved = unlocked([&] { return assembled.assemble(kept, start); });
     if (!(self.scene == before))
         throw InvalidInput("Scene.assemble: another thread has changed the scene meanwhile; assemble it again");
     self.scene = std::move(assembled);
@@ -370,9 +370,9 @@ the axes of b. Without b: the world, and of two points that coincide the place w
 A start that does not satisfy it is moved to the nearest that does if it is within 1e-6 of the scene's size, else a run is
 refused; assemble() finds one from rough guesses.)")
         .def(
-            "assemble", &assemble, py::arg("keep") = std::vector<BodyHandle>{},
+            "assemble", &assemble, py::arg("keep") = std::vector<BodyHandle>{}, py::kw_only(), py::arg("start") = 0.0,
             R"(Solves the start for all constraints from the guesses given, coordinates, then rates; those of the bodies in keep stay
-as they are. Returns the largest change of a coordinate. Raises InvalidInput, with the gaps left, where there is no way.)")
+as they are. start [s]: when a run is to start, which is where driven joints and rails that move are. Returns the largest change of a coordinate. Raises InvalidInput, with the gaps left, where there is no way.)")
         .def("contact", &contact, py::arg("a"), py::arg("b"), py::kw_only(), py::arg("friction") = py::none(),
              py::arg("restitution") = 0.0, py::arg("name") = py::none(),
              R"(Lets a touch b: it does not go beyond it. Returns a handle.

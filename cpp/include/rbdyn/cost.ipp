@@ -335,7 +335,7 @@ RBDYN_INLINE Price cost(const Scene& scene, const CostOptions& options) {
     using namespace pricing;
     const SimulateOptions base = runs_of(options);
     Purse purse(options.budget, options.monitor);
-    const auto [plan_scene, plan, is_new] = planned(scene);
+    const auto [plan_scene, plan, is_new] = planned(scene, base.start);
     std::vector<Part> parts;
     const auto add = [&](const Plan& one, const Scene& alone) {
         parts.push_back({.model = *one.model,

@@ -32,7 +32,7 @@ RBDYN_INLINE MemberAbreast::MemberAbreast(const Scene& scene, const SimulateOpti
     const BoundParameters own(numbers_);
     const auto began = std::chrono::steady_clock::now();
     validate(options_);
-    planned_ = planned(scene);
+    planned_ = planned(scene, options_.start);
     planning_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
     options_.warn = once(options_.warn);
     if (is_foreseen()) begin(first_pass(*planned_.plan.model, options_, engine_));

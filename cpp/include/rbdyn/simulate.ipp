@@ -117,7 +117,7 @@ RBDYN_INLINE Attempt attempt(const Scene& scene, const SimulateOptions& options)
     }
     const auto began = std::chrono::steady_clock::now();
     simulating::validate(options);
-    PlannedScene now = planned(scene);
+    PlannedScene now = planned(scene, options.start);
     const double planning = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
     SimulateOptions own = options;
     own.warn = simulating::once(options.warn);

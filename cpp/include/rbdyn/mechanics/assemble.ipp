@@ -93,16 +93,17 @@ RBDYN_INLINE void put(const Tree& tree, int i, const std::vector<Moving<DoubleDo
 
 namespace rbdyn::inline RBDYN_FORM {
 
-RBDYN_INLINE double Scene::assemble(const std::vector<BodyHandle>& keep) {
+RBDYN_INLINE double Scene::assemble(const std::vector<BodyHandle>& keep, double start) {
     for (const BodyHandle b : keep) require_body(b, "assemble");
     if (constraints_.empty())
         throw InvalidInput(
             "assemble: the scene has no constraints, so every start satisfies them; constrain() adds "
             "one");
+    require(std::isfinite(start), "assemble", "start", start, "a time is finite, in s");
     const mechanics::Tree tree(*this);
-    std::vector<DoubleDouble> x = tree.start(0.0);
+    std::vector<DoubleDouble> x = tree.start(start);
     const std::vector<DoubleDouble> before = x;
-    const auto wide = [&] { return mechanics::closing::moving<DoubleDouble>(tree, 0.0, x); };
+    const auto wide = [&] { return mechanics::closing::moving<DoubleDouble>(tree, start, x); };
     const mechanics::Conditions conditions(*this, tree, wide());
     const auto locked = [&](std::vector<std::vector<double>> m) {
         for (const BodyHandle b : keep) {
@@ -117,7 +118,7 @@ RBDYN_INLINE double Scene::assemble(const std::vector<BodyHandle>& keep) {
     constexpr double longest = 0.5;  // of one step: rad, and of the size of the scene
     for (int pass = 0; pass < most; ++pass) {
         Interruption::point();
-        const auto all = mechanics::closing::moving<double>(tree, 0.0, mechanics::closing::nearest(x));
+        const auto all = mechanics::closing::moving<double>(tree, start, mechanics::closing::nearest(x));
         for (const auto& m : all) size = std::max(size, m.place.norm());
         for (const mechanics::Condition& c : conditions.all())
             for (const mechanics::Anchor* a : {&c.a, &c.b})
@@ -138,22 +139,22 @@ RBDYN_INLINE double Scene::assemble(const std::vector<BodyHandle>& keep) {
         const double length = mechanics::closing::largest(step), allowed = longest * std::max(1.0, size);
         if (length > allowed)
             for (double& s : step) s *= allowed / length;
-        mechanics::closing::move<DoubleDouble>(tree, 0.0, step, x);
+        mechanics::closing::move<DoubleDouble>(tree, start, step, x);
         mechanics::closing::normalize<DoubleDouble>(tree, x);
         if (length <= 1e-16 * std::max(1.0, size) && pass > 5) break;
     }
     if (!(left <= 1e-10 * size)) {
         std::string gaps;
-        const auto all = mechanics::closing::moving<double>(tree, 0.0, mechanics::closing::nearest(x));
+        const auto all = mechanics::closing::moving<double>(tree, start, mechanics::closing::nearest(x));
         for (int k = 0; k < static_cast<int>(conditions.all().size()); ++k)
             gaps += (gaps.empty() ? "" : ", ") + conditions.all()[static_cast<std::size_t>(k)].name + " " +
                     text(conditions.gap(tree, k, all)) + " m";
         throw InvalidInput("assemble: no start near the guesses satisfies the constraints; gaps that are left: " +
                            gaps + "; give guesses nearer to one, or keep fewer bodies as they are");
     }
-    const auto all = mechanics::closing::moving<double>(tree, 0.0, mechanics::closing::nearest(x));
+    const auto all = mechanics::closing::moving<double>(tree, start, mechanics::closing::nearest(x));
     const auto rows = mechanics::closing::of_constraints(conditions.rows<double>(tree, all), conditions);
-    const auto now = mechanics::closing::moving<DoubleDouble>(tree, 0.0, x);
+    const auto now = mechanics::closing::moving<DoubleDouble>(tree, start, x);
     std::vector<double> asked;
     for (const auto& row : mechanics::closing::of_constraints(conditions.rows<DoubleDouble>(tree, now), conditions))
         asked.push_back(-static_cast<double>(mechanics::Conditions::rate(row, now)));

@@ -64,7 +64,7 @@ RBDYN_INLINE double TreeModel::size_of(const std::vector<mechanics::Moving<doubl
 }
 
 RBDYN_INLINE std::vector<DoubleDouble> TreeModel::exact_start(double t) const {
-    if (t == 0.0 && !start_.empty()) return start_;
+    if (t == origin() && !start_.empty()) return start_;
     std::vector<DoubleDouble> x = tree_->start(t);
     return conditions_->all().empty() ? x : onto_constraints(t, std::move(x), "the start");
 }
@@ -102,7 +102,7 @@ RBDYN_INLINE void TreeModel::choose_rows() {
     std::vector<int> every(at(conditions_->constraint_rows()));
     for (std::size_t r = 0; r < every.size(); ++r) every[r] = static_cast<int>(r);
     const auto choose_at = [&](const std::vector<DoubleDouble>& x) {
-        const auto all = mechanics::closing::moving<double>(*tree_, 0.0, mechanics::closing::nearest(x));
+        const auto all = mechanics::closing::moving<double>(*tree_, origin(), mechanics::closing::nearest(x));
         rows_ = mechanics::independent_rows(*tree_, *conditions_, every, all);
         // nor what is all but none by itself: a bar that is flat along an axis within 1e-7 rad
         const mechanics::closing::Responses responses(*tree_, *conditions_, rows_, all);
@@ -112,24 +112,24 @@ RBDYN_INLINE void TreeModel::choose_rows() {
             if (matrix[j][j] > tree_loops::nothing * responses.extent(j)) kept.push_back(rows_[j]);
         rows_ = std::move(kept);
     };
-    choose_at(tree_->start(0.0));
-    choose_at(exact_start(0.0));
+    choose_at(tree_->start(origin()));
+    choose_at(exact_start(origin()));
     if (conditions_->all().empty()) return;
-    const std::vector<DoubleDouble> x = exact_start(0.0);
-    const auto all = mechanics::closing::moving<double>(*tree_, 0.0, mechanics::closing::nearest(x));
+    const std::vector<DoubleDouble> x = exact_start(origin());
+    const auto all = mechanics::closing::moving<double>(*tree_, origin(), mechanics::closing::nearest(x));
     const double size = size_of(all);
     double widest = 0.0;
     for (const double gap : mechanics::open_by(*tree_, *conditions_, all)) widest = std::max(widest, gap);
     loosest_ = std::max(tree_loops::loosest * size, 4.0 * widest);
     if (rows_.size() < every.size()) {
-        auto told = mechanics::steadiest(*tree_, *conditions_, rows_, 0.0, x, size, loosest_);
+        auto told = mechanics::steadiest(*tree_, *conditions_, rows_, origin(), x, size, loosest_);
         if (told.all() != conditions_->all()) {
             conditions_ = std::make_shared<const mechanics::Conditions>(std::move(told));
             choose_at(x);
         }
     }
     if (rows_.size() < every.size())
-        if (const auto o = mechanics::opening(*tree_, *conditions_, rows_, 0.0, x, size, loosest_))
+        if (const auto o = mechanics::opening(*tree_, *conditions_, rows_, origin(), x, size, loosest_))
             throw InvalidInput(
                 conditions_->all()[at(o->constraint)].name +
                 ": where the scene starts the constraints lose rank, and what is left of them opens it by " +
@@ -143,12 +143,12 @@ RBDYN_INLINE void TreeModel::choose_rows() {
     constexpr double uneven = 0x1p-20;
     for (std::size_t j = 0; j < rows_.size(); ++j)
         is_uneven_ = is_uneven_ || !(first_pivots_[j] > uneven * matrix[j][j]);
-    held_ = mechanics::held_still(*tree_, *conditions_, rows_, 0.0, x, size, loosest_);
+    held_ = mechanics::held_still(*tree_, *conditions_, rows_, origin(), x, size, loosest_);
     size_ = size;
     units_ = mechanics::closing::Responses(*tree_, *conditions_, every, all).extents();
     has_choice_ =
         contacts() == 0 && joints_.empty() && !mechanics::dependences(*tree_, *conditions_, rows_, all).empty();
-    start_ = exact_start(0.0);
+    start_ = exact_start(origin());
 }
 
 RBDYN_INLINE void TreeModel::require_no_end(const Mode& mode, double t, std::span<const double> x) const {

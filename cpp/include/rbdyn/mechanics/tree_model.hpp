@@ -65,6 +65,7 @@ public:
         return tree_->velocities() - static_cast<int>(rows_.size()) - 3 * static_cast<int>(loose_.size());
     }
     std::vector<std::string> not_unique() const override;
+    double origin() const override { return scene_.origin(); }
     std::shared_ptr<const SceneModel> with_numbers(const Scene& scene, const GivenNumbers& numbers) const override;
     std::shared_ptr<const SceneModel> started_elsewhere(const Scene& scene, const GivenNumbers& numbers) const override;
 

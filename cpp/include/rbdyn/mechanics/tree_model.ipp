@@ -115,9 +115,9 @@ RBDYN_INLINE TreeModel::TreeModel(const Scene& scene, const GivenNumbers& number
       why_all_(!scene.contacts().empty()                        ? "what touches may move any way"
                : mechanics::rough_joints(scene, *tree_).empty() ? "bodies are joined to bodies"
                                                                 : "bodies are joined, by joints with friction") {
-    require_finite_drives(0.0);
-    const auto start = tree_->start(0.0);
-    const auto all = tree_->moving<DoubleDouble>(DoubleDouble(0.0), start.data(), start.data() + tree_->positions());
+    require_finite_drives(origin());
+    const auto start = tree_->start(origin());
+    const auto all = tree_->moving<DoubleDouble>(DoubleDouble(origin()), start.data(), start.data() + tree_->positions());
     joints_ = mechanics::rough_joints(scene, *tree_);
     auto conditions = std::make_shared<mechanics::Conditions>(scene, *tree_, all);
     std::vector<mechanics::Conditions::Rubbing> rubbing;
@@ -125,7 +125,7 @@ RBDYN_INLINE TreeModel::TreeModel(const Scene& scene, const GivenNumbers& number
     conditions->take_joints(std::move(rubbing));
     conditions_ = std::move(conditions);
     const std::vector<double> x = mechanics::closing::nearest(start);
-    const auto now = mechanics::closing::moving<double>(*tree_, 0.0, x);
+    const auto now = mechanics::closing::moving<double>(*tree_, origin(), x);
     const auto accelerate = mechanics::accelerate<double>(*tree_, now);
     // what carries others feels what these lack: they are looked at first; beside each what is carried, all in one
     std::vector<mechanics::Carried> carried(at(bodies()));
@@ -145,14 +145,14 @@ RBDYN_INLINE TreeModel::TreeModel(const Scene& scene, const GivenNumbers& number
     }
     if (!conditions_->empty()) choose_rows();
     take_loose_rails();
-    map_ = StateMap(TreeModel::start(0.0), std::vector<bool>(at(tree_->variables()), false));
+    map_ = StateMap(TreeModel::start(origin()), std::vector<bool>(at(tree_->variables()), false));
 }
 
 RBDYN_INLINE std::vector<std::string> TreeModel::not_unique() const {
     std::vector<std::string> names = sharing_contacts();
     if (conditions_->all().empty()) return names;
     const auto loose = mechanics::dependences(*tree_, *conditions_, rows_,
-                                              mechanics::closing::moving<double>(*tree_, 0.0, TreeModel::start(0.0)));
+                                              mechanics::closing::moving<double>(*tree_, origin(), TreeModel::start(origin())));
     for (const mechanics::Condition& c : conditions_->all()) {
         const auto is_in = [&](const std::vector<double>& one) {
             return std::any_of(one.begin() + c.first, one.begin() + c.first + c.rows(),
@@ -191,7 +191,7 @@ RBDYN_INLINE std::vector<double> TreeModel::start(double t) const {
 RBDYN_INLINE std::vector<double> TreeModel::start_rest() const {
     std::vector<double> rest;
     bool any = false;
-    for (const DoubleDouble& value : exact_start(0.0)) {
+    for (const DoubleDouble& value : exact_start(origin())) {
         rest.push_back(value.lo);
         any = any || value.lo != 0.0;
     }
@@ -228,8 +228,8 @@ RBDYN_INLINE mechanics::TreeState TreeModel::look(const Mode& mode, double t, st
 RBDYN_INLINE std::vector<std::string> TreeModel::guards() const {
     std::vector<std::string> lines;
     std::set<std::string> known;
-    std::vector<double> x = start(0.0);
-    for (const Guard& guard : begin(0.0, x).equations->guards) {
+    std::vector<double> x = start(origin());
+    for (const Guard& guard : begin(origin(), x).equations->guards) {
         if (guard.kind == EventKind::singular && guard.name.empty()) continue;
         const bool is_loop = guard.kind == EventKind::singular && guard.contact < 0;
         std::string line = (is_loop && guard.least < 0.0 ? "rank of " + guard.name + " (singular)"

@@ -149,7 +149,7 @@ RBDYN_INLINE std::vector<VariableGroup> TreeModel::groups_in(const mechanics::Tr
     if (none >= tree.velocities() || !(size_ > 0.0)) return groups;
     // what has no motion is as large as the rest, by that by which MotionScales lets others be smaller
     constexpr double smaller = 0x1p-20;
-    const auto start = moving(0.0, TreeModel::start(0.0));
+    const auto start = moving(origin(), TreeModel::start(origin()));
     for (VariableGroup& g : groups)
         for (const mechanics::Node& n : tree.nodes()) {
             const bool is_position = g.first < tree.positions();

@@ -28,10 +28,10 @@ RBDYN_INLINE bool TreeModel::shares_load(const Mode& mode) const {
 RBDYN_INLINE std::vector<std::string> TreeModel::sharing_contacts() const {
     std::vector<std::string> names;
     if (contacts() < 2) return names;
-    std::vector<double> x = TreeModel::start(0.0);
-    const Mode mode = begin(0.0, x);
+    std::vector<double> x = TreeModel::start(origin());
+    const Mode mode = begin(origin(), x);
     if (!mode.impossible.empty() || !shares_load(mode)) return names;
-    const auto all = mechanics::closing::moving<double>(*tree_, 0.0, x);
+    const auto all = mechanics::closing::moving<double>(*tree_, origin(), x);
     std::vector<int> rows = rows_, contact_of(at(conditions_->rows()), -1);
     const auto take = [&](int row, int contact) {
         rows.push_back(row);

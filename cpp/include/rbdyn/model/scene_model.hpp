@@ -78,6 +78,8 @@ public:
     /// The constraints whose forces the motion does not determine.
     virtual std::vector<std::string> not_unique() const { return {}; }
 
+    /// The time at which what moves by functions of time is where the scene starts.
+    virtual double origin() const { return 0.0; }
     /// The state the scene starts in.
     virtual std::vector<double> start(double t = 0.0) const = 0;
 

@@ -21,6 +21,7 @@ namespace rbdyn::inline RBDYN_FORM {
 /// A plan, and what was decided by numbers of the user's; no numbers if there are none.
 struct KeptPlan {
     Plan plan;
+    double origin = 0.0;  // when the scene starts, if that matters to it
     std::unique_ptr<Numbers> decided;
 };
 
@@ -46,7 +47,7 @@ void require_own_names(const Scene& scene, const Plan& plan);
 }  // namespace planning
 
 /// A scene with the numbers of the user's as they are now, and its plan: one that it keeps and that holds, else a
-/// new one, which it keeps from now on. Throws InvalidInput on a scene without bodies.
-PlannedScene planned(const Scene& scene);
+/// new one, which it keeps from now on. `start`: when it starts. Throws InvalidInput on a scene without bodies.
+PlannedScene planned(const Scene& scene, double start);
 
 }  // namespace rbdyn::inline RBDYN_FORM

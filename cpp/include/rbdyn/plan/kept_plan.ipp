@@ -106,13 +106,14 @@ RBDYN_INLINE std::optional<Plan> renewed(const Plan& kept, const Scene& scene, c
 
 namespace rbdyn::inline RBDYN_FORM {
 
-RBDYN_INLINE PlannedScene planned(const Scene& scene) {
+RBDYN_INLINE PlannedScene planned(const Scene& scene, double start) {
     if (scene.bodies().empty()) throw InvalidInput("Scene: it has 0 bodies; add() at least one before it is run");
     const GivenNumbers given = planning::numbers_of(scene);
     auto numbers = given.cells.empty() ? nullptr : std::make_unique<Numbers>(given);
     const Numbers::Active active(numbers.get());
-    Scene now = scene.frozen();
+    Scene now = scene.frozen().begun_at(start);
     const auto held = [&](const KeptPlan& kept, bool elsewhere) -> std::optional<Plan> {
+        if (kept.origin != now.origin()) return std::nullopt;
         if (!elsewhere && !kept.decided) return kept.plan;
         if (kept.decided && !kept.decided->holds(given.values)) return std::nullopt;
         return planning::renewed(kept.plan, now, given, elsewhere);
@@ -123,7 +124,7 @@ RBDYN_INLINE PlannedScene planned(const Scene& scene) {
         if (auto plan = held(*kept, is_of_another_start)) return {std::move(now), *std::move(plan), false};
     Plan plan = planning::plan_of(now, false, given);
     planning::require_own_names(now, plan);
-    scene.kept_plan().set(std::make_shared<const KeptPlan>(KeptPlan{plan, std::move(numbers)}));
+    scene.kept_plan().set(std::make_shared<const KeptPlan>(KeptPlan{plan, now.origin(), std::move(numbers)}));
     return {std::move(now), std::move(plan)};
 }
 

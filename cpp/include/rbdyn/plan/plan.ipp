@@ -55,8 +55,8 @@ RBDYN_INLINE Size Plan::size() const {
     Size sum;
     for (const Plan& part : parts) sum += part.size();
     if (!model) return sum;
-    std::vector<double> x = model->start(0.0);
-    return Size(model->begin(0.0, x));
+    std::vector<double> x = model->start(model->origin());
+    return Size(model->begin(model->origin(), x));
 }
 
 RBDYN_INLINE bool Plan::has(const std::string& effect) const {
@@ -67,7 +67,7 @@ RBDYN_INLINE bool Plan::has(const std::string& effect) const {
 
 namespace rbdyn::inline RBDYN_FORM {
 
-RBDYN_INLINE Plan make_plan(const Scene& scene) { return planned(scene).plan; }
+RBDYN_INLINE Plan make_plan(const Scene& scene) { return planned(scene, scene.origin()).plan; }
 
 RBDYN_INLINE std::ostream& operator<<(std::ostream& out, const Plan& plan) {
     const auto list = [&](const char* head, const std::vector<std::string>& lines, const char* none) {

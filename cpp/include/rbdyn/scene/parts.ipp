@@ -36,7 +36,10 @@ RBDYN_INLINE SceneParts::SceneParts(const Scene& scene) {
         Scene::Body& added = part.scene.bodies_.change().emplace_back(scene.bodies()[at(i)]);
         if (added.parent >= 0) added.parent = bodies[at(added.parent)].index;
     }
-    for (Part& part : parts) part.scene.gravity_ = scene.gravity_;
+    for (Part& part : parts) {
+        part.scene.gravity_ = scene.gravity_;
+        part.scene.origin_ = scene.origin_;
+    }
     for (Scene::AppliedLoad load : scene.loads_) {
         const auto [part, body] = bodies[at(load.body)];
         load.body = body;

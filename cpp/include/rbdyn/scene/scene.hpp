@@ -133,7 +133,8 @@ public:
     /// Solves the start for all constraints from the guesses given, coordinates, then rates; those of the bodies in
     /// `keep` are left as they are. Returns how far it moved, the largest change of a coordinate. Throws InvalidInput,
     /// with the gaps left, where there is no way.
-    double assemble(const std::vector<BodyHandle>& keep = {});
+    /// Driven joints and rails that move are where they are at the time `start`.
+    double assemble(const std::vector<BodyHandle>& keep = {}, double start = 0.0);
 
     /// Lets a part of a body touch a surface: it does not go beyond it. A start may be open, closed and at rest, or
     /// closed and moving: a gap within 1e-12 of the size of what it joins is none. Deeper is refused when a run starts.
@@ -148,6 +149,14 @@ public:
 
     /// The scene with the numbers of the user's (Parameter) as they are now: what a run is made of.
     [[gnu::cold]] Scene frozen() const;
+
+    /// The time at which joints and rails that move by functions of time are where this scene starts: 0 for the user's
+    /// own, else when a run that is made of it starts.
+    double origin() const { return origin_; }
+    /// Whether there are such joints and rails.
+    bool is_driven() const;
+    /// The same scene, to start at another time if that matters to it.
+    Scene begun_at(double time) &&;
 
     /// The same scene without some effects, loads or couplings (scene/effects.hpp). What is taken away keeps its place
     /// and does nothing, so all handles stay good. Throws InvalidInput for what the scene does not have.
@@ -205,6 +214,7 @@ private:
     std::string named(std::string name, const std::string& kind) const;
 
     Vector3 gravity_ = Vector3::Zero();
+    double origin_ = 0.0;
     // of many bodies copies are made by each run
     Shared<std::vector<Body>> bodies_;
     Shared<std::set<std::string>> body_names_;  // of those that were added

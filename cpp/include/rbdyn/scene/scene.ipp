@@ -406,6 +406,19 @@ RBDYN_INLINE Scene Scene::frozen() const {
     return result;
 }
 
+RBDYN_INLINE bool Scene::is_driven() const {
+    return std::ranges::any_of(bodies(), [](const Body& b) {
+        if (const Revolute* hinge = std::get_if<Revolute>(&b.joint)) return hinge->motion.has_value();
+        if (const Prismatic* slide = std::get_if<Prismatic>(&b.joint)) return slide->motion.has_value();
+        return b.rail() != nullptr && b.rail()->motion().present();
+    });
+}
+
+RBDYN_INLINE Scene Scene::begun_at(double time) && {
+    origin_ = is_driven() ? time : 0.0;
+    return std::move(*this);
+}
+
 RBDYN_INLINE BodyHandle Scene::add(const Started& start, std::variant<Particle, RigidBody> body, Joint joint,
                                    BodyHandle parent, const std::string& name) {
     const int joined = parent_of(parent, name);

@@ -34,7 +34,7 @@ namespace rbdyn::inline RBDYN_FORM {
 
 namespace run_bytes {
 
-inline constexpr std::string_view head = "rbdyn run 4", state_head = "rbdyn state run 4";
+inline constexpr std::string_view head = "rbdyn run 5", state_head = "rbdyn state run 4";
 
 /// CRC-32 (ISO 3309), as zlib has it.
 [[gnu::cold]] std::uint32_t checksum(std::string_view bytes);

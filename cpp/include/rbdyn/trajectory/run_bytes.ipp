@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -481,13 +482,16 @@ RBDYN_INLINE StateRun state_run_from(std::string_view bytes) {
 
 RBDYN_INLINE std::string bytes_of(const RunData& run) {
     run_bytes::Writer w;
+    w.put(run.scene.origin());
     run_bytes::put(w, run);
     return run_bytes::sealed(run_bytes::head, text_without_actions(run.scene), std::move(w.bytes));
 }
 
 RBDYN_INLINE RunData run_from(const Scene& scene, std::string_view bytes) {
     run_bytes::Reader r = run_bytes::opened(run_bytes::head, text_without_actions(scene), bytes);
-    PlannedScene now = planned(scene);
+    const auto origin = r.take<double>();
+    run_bytes::Reader::require(std::isfinite(origin), "it starts at no time");
+    PlannedScene now = planned(scene, origin);
     return run_bytes::take_run(r, std::move(now.scene), std::move(now.plan));
 }
 
