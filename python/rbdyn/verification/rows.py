@@ -35,6 +35,7 @@ ROWS: dict[str, tuple[str, ...]] = {
         "simultaneous events",
         "backspin; disc beside tan a = 3 mu; sliding to rolling",
         "tippe top, rattleback, Euler's disk",
+        "discs and ellipsoids on spheres and in bowls",
         "rocking, landing, ladders, cradles",
         "a contact redundant in its reactions",
         "several roots in one step",

@@ -16,6 +16,7 @@ from rbdyn.verification import (
     linkages,
     mechanisms,
     metamorphic,
+    on_spheres,
     rails,
     rolling,
     systems,
@@ -25,7 +26,7 @@ from rbdyn.verification.case import CASES, ENGINES, ROUNDING, Answer, Case, Engi
 from rbdyn.verification.scorecard import Row, Scorecard
 
 # importing them enters their cases
-SUBJECTS = (rails, bodies, systems, trees, mechanisms, linkages, contacts, rolling, events, metamorphic)
+SUBJECTS = (rails, bodies, systems, trees, mechanisms, linkages, contacts, rolling, on_spheres, events, metamorphic)
 
 
 def verify(
