@@ -231,3 +231,19 @@ def test_a_disc_that_falls_flat_in_a_bowl_is_named():
         rb.simulate(scene, until=3.0)
     # all of its rim at once, sqrt(R^2 - r^2) below
     assert failed.value.run.end == pytest.approx(np.sqrt(2 * np.sqrt(4 - 0.25) / 9.81), rel=1e-12)
+
+
+@pytest.mark.parametrize("rtol", [1e-8, 1e-11, 1e-13])
+def test_a_disc_that_comes_to_lie_flat_in_a_bowl_is_named(rtol):
+    """It slides down with one end of its rim on the bowl, turning in a vertical plane until the other one is there."""
+    scene = rb.Scene(gravity=[0, 0, -9.81])
+    coin = scene.add(rb.shapes.disc(1.0, 0.2, [0, 0, 1]), position=[-0.4, 0, 0.1])
+    contact = scene.contact(coin.disc(0.2, [0, 0, 1]), rb.Sphere([0, 0, 0], 1.0, inside=True))
+    with pytest.raises(rb.IntegrationError, match="lie flat") as failed:
+        rb.simulate(scene, until=3.0, rtol=rtol)
+    run = failed.value.run
+    place = run[coin].position(run.end)
+    assert np.linalg.norm(place) == pytest.approx(np.sqrt(1 - 0.04), rel=1e-9)
+    assert run.energy(run.end) <= run.energy(0) + 1e-12 and abs(run[contact].gap(run.end)) < 1e-12
+    # what goes over between face and rim, or all of a rim, has no name to list
+    assert all(line.startswith("gap of contact 1") for line in run.plan.guards)

@@ -167,7 +167,8 @@ private:
     void add_up(double tau, std::span<double> x, std::span<double> low) const;
     static bool has_roots(const Program& program);
     /// Whether a guard is on another side at a place than where the step begins, or may be: the step ends before.
-    bool passes_guard(double tau) const;
+    /// `is_silent`: of those alone where a formula goes over to another one without an event.
+    bool passes_guard(double tau, bool is_silent = false) const;
     /// Whether the rates that equations give at a place of the expansion are those of the expansion. `values`: of them;
     /// `duration`: that of the step [s].
     bool bears_out(Evaluator<double>& values, double tau, double duration, std::vector<double>& x,

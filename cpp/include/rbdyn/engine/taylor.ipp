@@ -527,6 +527,8 @@ RBDYN_INLINE double TaylorEngine::borne_out_at_end(double length) {
 
 RBDYN_INLINE double TaylorEngine::held_at_end(double length) {
     if (!projection_ || projection_->positions() == 0) return length;
+    // beyond where a formula goes over to another one what is held is not what the series hold
+    if (passes_guard(length, true)) return length;
     constexpr double nothing = 0x1p-58;
     const double last_power = series::power(length, order_);
     // what starts at rest is as large as it becomes
@@ -596,8 +598,9 @@ RBDYN_INLINE bool TaylorEngine::has_roots(const Program& program) {
     });
 }
 
-RBDYN_INLINE bool TaylorEngine::passes_guard(double tau) const {
+RBDYN_INLINE bool TaylorEngine::passes_guard(double tau, bool is_silent) const {
     return std::any_of(equations_->guards.begin(), equations_->guards.end(), [&](const Guard& guard) {
+        if (is_silent && !(guard.branch >= 0 && guard.name.empty())) return false;
         if (guard.output < 0) return guard.locator != nullptr;
         const double* c = series_->output(guard.output);
         const double end = series::value(c, order_, tau);

@@ -43,6 +43,7 @@ struct Touching {
     Vector3Of<S> turning, turn_bias;             // the angular velocity of a relative to b, and the same of its rate
     Vector3Of<S> tangents[2], tangent_rates[2];  // of a plane: two directions along it that turn with it
     S gap = S(0.0);
+    S flat = S(1.0);  // of a disc that touches with its rim: the sine squared of its tilt
 
     /// The condition on accelerations along a direction that turns at a rate.
     Row<S> row(const Vector3Of<S>& along, const Vector3Of<S>& along_rate) const {
@@ -175,6 +176,7 @@ struct ContactLaw {
                 s = point.s;
                 s_rate = point.s_rate;
                 far = point.far;
+                if (is_bowl && part == Part::disc) result.flat = point.flat;
                 d = apart - s;
                 d_rate = moving - s_rate;
                 reach = S(0.0);
@@ -192,7 +194,8 @@ struct ContactLaw {
             const auto [m, m_rate] = turned(axis);
             const S along = dot<S>(n, m), along_rate = dot<S>(n_rate, m) + dot<S>(n, m_rate);
             const Vector3Of<S> w = n - m * along, w_rate = n_rate - m * along_rate - m_rate * along;
-            const S length = sqrt(dot<S>(w, w));
+            result.flat = dot<S>(w, w);
+            const S length = sqrt(result.flat);
             const Vector3Of<S> unit_w = w * (S(1.0) / length);
             s = unit_w * reach;
             s_rate = Vector3Of<S>(w_rate - unit_w * dot<S>(unit_w, w_rate)) * (reach / length);

@@ -37,6 +37,7 @@ template <class S>
 struct NearestPoint {
     Vector3Of<S> s = none<S>(), s_rate = none<S>();
     S far = S(0.0);
+    S flat = S(1.0);  // of the farthest point of a disc: |p|^2/|a|^2, zero where all of the rim is as far
 };
 
 namespace nearest {
@@ -56,6 +57,9 @@ struct Led {
     Vector3Of<S> value = none<S>(), rate = none<S>();
 };
 
+/// A disc tilted by less lies flat [rad]: with all of its rim no point of it goes on.
+inline constexpr double least_tilt = 0x1p-23;
+
 template <class S>
 NearestPoint<S> of_disc(const Led<S>& normal, const S& radius, const Led<S>& apart, bool is_farthest) {
     using std::sqrt;
@@ -70,13 +74,15 @@ NearestPoint<S> of_disc(const Led<S>& normal, const S& radius, const Led<S>& apa
     NearestPoint<S> result;
     S part, part_rate;
     if (is_farthest) {
-        // all of the rim is as far where p is zero
-        part = S(0.0) - where<S>(square, rim, nothing);
-        part_rate = S(0.0) - where<S>(square, rim_rate, nothing);
+        // all of the rim is as far where p is nothing
+        const S whole = along * along + square, leans = square - whole * S(least_tilt * least_tilt);
+        part = S(0.0) - where<S>(leans, rim, nothing);
+        part_rate = S(0.0) - where<S>(leans, rim_rate, nothing);
         const S across = where<S>(
-                             square, [&] { return sqrt(square); }, nothing) +
+                             leans, [&] { return sqrt(square); }, nothing) +
                          radius;
         result.far = sqrt(along * along + across * across);
+        result.flat = square / whole;
     } else {
         const S beyond = square - radius * radius;
         part = where<S>(beyond, rim, [] { return S(1.0); });

@@ -218,8 +218,12 @@ RBDYN_INLINE std::string TreeModel::lies_flat(const std::vector<int>& closed,
         // on a ball it touches with its face
         if (c.part != mechanics::ContactLaw::Part::disc || c.surface == mechanics::ContactLaw::Surface::ball) continue;
         const Vector3 axis = all[at(c.a.body)].to_world(exactly<double>(c.axis));
-        const double tilt = axis.cross(c.touching<double>(*tree_, all).normal).norm();
-        if (tilt < most)
+        // in a bowl it is flat where the centre of that is above its own
+        const bool is_in_bowl = c.surface == mechanics::ContactLaw::Surface::bowl;
+        const Vector3 apart = tree_->point<double>(c.b, all).place - tree_->point<double>(c.a, all).place;
+        const double tilt = is_in_bowl ? axis.cross(apart).norm() / std::max(apart.norm(), 0x1p-1022)
+                                       : axis.cross(c.touching<double>(*tree_, all).normal).norm();
+        if (tilt < (is_in_bowl ? std::max(most, 2.0 * mechanics::nearest::least_tilt) : most))
             return "the disc of " + c.name + " has come to lie flat, but for " + text(tilt) +
                    " rad: all of its rim touches, and no one point of it goes on";
     }

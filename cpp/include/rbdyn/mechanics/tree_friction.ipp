@@ -300,18 +300,19 @@ RBDYN_INLINE std::string TreeModel::impossible(const Mode& mode, double t, std::
     Evaluator<double> values(mode.equations->program);
     values.set_parameters(mode.parameters);
     values(t, x);
-    // what is left of it is the distance in which steps end before its zero
-    for (const Guard& guard : mode.equations->guards)
-        if (guard.kind == EventKind::singular && guard.contact >= 0 &&
-            std::abs(values.output(guard.output)) <= 1e-3 * values.magnitude(guard.output))
-            return no_sliding(guard.contact);
     std::vector<int> near;
     const auto all = moving(t, x);
     for (int k = 0; k < contacts(); ++k) {
         const mechanics::ContactLaw& c = conditions_->contacts()[at(k)];
         if (!c.is_gone && std::abs(c.touching<double>(*tree_, all).gap) <= 1e-9 * size_of(k, all)) near.push_back(k);
     }
-    return lies_flat(near, all);
+    if (const std::string why = lies_flat(near, all); !why.empty()) return why;
+    // what is left of it is the distance in which steps end before its zero
+    for (const Guard& guard : mode.equations->guards)
+        if (guard.kind == EventKind::singular && guard.contact >= 0 &&
+            std::abs(values.output(guard.output)) <= 1e-3 * values.magnitude(guard.output))
+            return no_sliding(guard.contact);
+    return {};
 }
 
 RBDYN_INLINE void TreeModel::tell_friction(const Mode& mode, const Mode& after, const Fired& fired,

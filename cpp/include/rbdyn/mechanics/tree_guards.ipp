@@ -31,6 +31,16 @@ RBDYN_INLINE void TreeWriter::touch(EquationsWriter& write) const {
     for (std::size_t k = 0; k < states_.size(); ++k) {
         const ContactLaw& c = conditions_.contacts()[k];
         const int contact = static_cast<int>(k);
+        // beyond where all of a rim is as low series go on with the end of it that was: that ends what touches, and a
+        // piece of a flight
+        if (const S& flat = touching_[k].flat; !flat.is_constant() && !c.is_gone) {
+            const S leans = flat - S(nearest::least_tilt * nearest::least_tilt);
+            const auto same = [&] { return leans; };
+            if (states_[k] == flies)
+                select(leans, same, same, "");
+            else
+                write.guard({.kind = EventKind::singular, .contact = contact, .name = "tilt of " + c.name}, leans);
+        }
         if (states_[k] == flies && !c.is_gone)
             write.guard({.kind = EventKind::land, .contact = contact, .name = "gap of " + c.name},
                         c.sign<Expression>(tree_, moving_, touching_[k]));

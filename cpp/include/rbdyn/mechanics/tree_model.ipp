@@ -117,7 +117,8 @@ RBDYN_INLINE TreeModel::TreeModel(const Scene& scene, const GivenNumbers& number
                                                                 : "bodies are joined, by joints with friction") {
     require_finite_drives(origin());
     const auto start = tree_->start(origin());
-    const auto all = tree_->moving<DoubleDouble>(DoubleDouble(origin()), start.data(), start.data() + tree_->positions());
+    const auto all =
+        tree_->moving<DoubleDouble>(DoubleDouble(origin()), start.data(), start.data() + tree_->positions());
     joints_ = mechanics::rough_joints(scene, *tree_);
     auto conditions = std::make_shared<mechanics::Conditions>(scene, *tree_, all);
     std::vector<mechanics::Conditions::Rubbing> rubbing;
@@ -151,8 +152,8 @@ RBDYN_INLINE TreeModel::TreeModel(const Scene& scene, const GivenNumbers& number
 RBDYN_INLINE std::vector<std::string> TreeModel::not_unique() const {
     std::vector<std::string> names = sharing_contacts();
     if (conditions_->all().empty()) return names;
-    const auto loose = mechanics::dependences(*tree_, *conditions_, rows_,
-                                              mechanics::closing::moving<double>(*tree_, origin(), TreeModel::start(origin())));
+    const auto loose = mechanics::dependences(
+        *tree_, *conditions_, rows_, mechanics::closing::moving<double>(*tree_, origin(), TreeModel::start(origin())));
     for (const mechanics::Condition& c : conditions_->all()) {
         const auto is_in = [&](const std::vector<double>& one) {
             return std::any_of(one.begin() + c.first, one.begin() + c.first + c.rows(),
@@ -230,12 +231,15 @@ RBDYN_INLINE std::vector<std::string> TreeModel::guards() const {
     std::set<std::string> known;
     std::vector<double> x = start(origin());
     for (const Guard& guard : begin(origin(), x).equations->guards) {
-        if (guard.kind == EventKind::singular && guard.name.empty()) continue;
+        const bool is_end = guard.kind == EventKind::rail_end && guard.subject >= 0;
+        // what goes over from one formula to another without an event, and what ends a motion
+        if (guard.name.empty() && !is_end) continue;
         const bool is_loop = guard.kind == EventKind::singular && guard.contact < 0;
-        std::string line = (is_loop && guard.least < 0.0 ? "rank of " + guard.name + " (singular)"
-                            : is_loop                    ? guard.name + ", where no motion goes on"
-                            : guard.is_watched()         ? "\"" + guard.name + "\" (watch)"
-                                                         : guard.name + " through zero (switch)");
+        std::string line = (is_loop && guard.least < 0.0   ? "rank of " + guard.name + " (singular)"
+                            : is_loop                      ? guard.name + ", where no motion goes on"
+                            : guard.is_watched()           ? "\"" + guard.name + "\" (watch)"
+                            : is_end && guard.name.empty() ? "end of the rail of " + name(guard.subject)
+                                                           : guard.name + " through zero (switch)");
         if (known.insert(line).second) lines.push_back(std::move(line));
     }
     return lines;

@@ -344,6 +344,7 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
     now.reach();
     if (!fired.empty() && !joints_change && now.events.none()) return choose(after, t, x, {});
     after.impossible = lies_flat(now.closed, now.all, no_tilt);
+    if (after.impossible.empty()) after.impossible = lies_flat(now.events.singular, now.all);
     if (!after.impossible.empty()) return;
     now.at_rest = now.closed;
     if (now.events.landing.empty())
