@@ -131,6 +131,10 @@ private:
     /// Whether one more such point may be passed: there are not too many in a row.
     bool may_pass();
 
+    /// The guards of slips that follow their directions and end within the rounding of the time: u/|u| turns ever
+    /// faster there, and steps are no longer than that.
+    std::vector<int> slips_that_end() const;
+
     /// Nothing moves any more: one piece to the end.
     void rest(Record& record, Instant t, std::span<const double> x, double until) const;
 
@@ -148,6 +152,7 @@ private:
     Progress progress_;
     MemoryWatch memory_{{}, 1.0};
     double began_ = 0.0;        // s: the run
+    bool is_form_ = false;      // what changed last is no more than the form of the motion
     std::int64_t changes_ = 0;  // of modes, so far
     std::int64_t passed_ = 0;   // points where no step gets on, so far: they count as steps
     int in_row_ = 0;            // of these since the last step

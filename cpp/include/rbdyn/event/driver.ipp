@@ -205,13 +205,21 @@ RBDYN_INLINE bool Driver::is_going_on(Record& record, StepStatus step, double un
             give_up(record, after);
             return false;
         }
+        if (const std::vector<int> ends = slips_that_end(); in_row_ == 0 && !ends.empty()) {
+            ++in_row_;
+            now_.low.resize(x.size());
+            if (!now_.fresh) engine_.standing(x, now_.low);
+            return change(record, ends, nullptr, 0.0);
+        }
         if (!may_pass() || !pass(record, until)) return over(Status::not_finite);
         now_.fresh = true;
+        is_form_ = false;
         return true;
     }
     const Piece& piece = engine_.piece();
-    // a first step hardly longer than the rounding of time begins at a point that is to be passed, or beside it
-    if (now_.fresh && piece.length * piece.unit < 64.0 * epsilon * std::abs(t.hi) && may_pass() &&
+    // a first step hardly longer than the rounding of time begins at a point that is to be passed, or beside it, but
+    // where the motion has only taken another form
+    if (now_.fresh && !is_form_ && piece.length * piece.unit < 64.0 * epsilon * std::abs(t.hi) && may_pass() &&
         pass(record, until)) {
         now_.fresh = true;
         return true;
@@ -335,6 +343,11 @@ RBDYN_INLINE bool Driver::change(Record& record, const std::vector<int>& fired, 
     if (all_touch && (model_.follows_bounces(after) || now_.mode.jumps == after.jumps))
         for (std::size_t g = 0; g < handled.size(); ++g)
             handled[g] = handled[g] || opens(*before, fired, after.equations->guards[g]);
+    is_form_ =
+        happenings.empty() && after.jumps == now_.mode.jumps && std::all_of(fired.begin(), fired.end(), [&](int index) {
+            const EventKind kind = before->guards[static_cast<std::size_t>(index)].kind;
+            return kind == EventKind::switching || kind == EventKind::stick;
+        });
     now_.mode = std::move(after);
     if (rounds_otherwise_) round_otherwise(reached);
     // what is at zero where the motion begins, or rounding beside it, tells how it begins and is no event

@@ -17,6 +17,8 @@
 #include "rbdyn/event/event.hpp"
 #include "rbdyn/event/progress.hpp"
 #include "rbdyn/event/record.hpp"
+#include "rbdyn/expression/borrowed_series.hpp"
+#include "rbdyn/expression/series_evaluator.hpp"
 #include "rbdyn/model/equations.hpp"
 #include "rbdyn/model/hybrid.hpp"
 #include "rbdyn/series/piece.hpp"
@@ -106,6 +108,30 @@ RBDYN_INLINE bool Driver::may_pass() {
         now_.passed_at = now_.at;
     }
     return ++now_.passes <= max_crowded;
+}
+
+RBDYN_INLINE std::vector<int> Driver::slips_that_end() const {
+    std::vector<int> result;
+    const Mode& mode = now_.mode;
+    const auto ends = [](const Guard& guard) { return guard.kind == EventKind::stick && guard.renews; };
+    const auto& guards = mode.equations->guards;
+    if (mode.equations->program.has_calls() || std::ranges::none_of(guards, ends)) return result;
+    const BorrowedSeries borrowed(mode.equations->program, 1);
+    SeriesEvaluator& series = *borrowed;
+    series.set_parameters(mode.parameters);
+    series.begin(now_.at.hi, 1.0);
+    for (std::size_t i = 0; i < now_.x.size(); ++i) series.set_input(static_cast<int>(i), 0, now_.x[i]);
+    series.advance(0);
+    series.integrate(0);
+    series.advance(1);
+    // steps are a small part of what is left of it
+    const double left = 64.0 * epsilon * std::abs(now_.at.hi);
+    for (std::size_t g = 0; g < guards.size(); ++g) {
+        if (!ends(guards[g])) continue;
+        const double* const speed = series.output(guards[g].output);
+        if (speed[0] <= -speed[1] * left) result.push_back(static_cast<int>(g));
+    }
+    return result;
 }
 
 RBDYN_INLINE bool Driver::pass(Record& record, double until) {

@@ -224,7 +224,8 @@ RBDYN_INLINE void TreeModel::turn(const Mode& before, Mode& mode, double t, std:
         };
         const Vector3 rate = first * along(first) + second * along(second);
         // what it loses within the rounding of the time its end is located is none
-        memory.least = std::max(memory.least, 8.0 * epsilon * std::abs(t) * rate.norm());
+        const double lost = epsilon * std::abs(t) * rate.norm(), bound = memory.least;
+        memory.least = std::max(memory.least, 8.0 * lost);
         signed char& is = mode.slip[at(k)];
         const bool was_turning = states::follows_slip(is) || states::is_curved(is), starts = states::is_start(is),
                    was_straight = is == states::straight || is == states::rests;
@@ -233,6 +234,9 @@ RBDYN_INLINE void TreeModel::turn(const Mode& before, Mode& mode, double t, std:
             memory.least = std::max(memory.least, 0x1p-43 * fastest_of(k, t, x, fired.largest, state.moving));
         // what has left its line by rounding goes on along it
         if (was_straight && std::abs(memory.axis.dot(slip)) <= 0.5 * memory.least) {
+            // its bound is less than what rounding of the time hides: a larger one is told
+            if (!stops && std::abs(memory.axis.dot(slip)) <= 0.5 * bound)
+                memory.least = std::max({memory.least, 32.0 * lost, 16.0 * bound});
             memory.put(mode.memory, k);
             continue;
         }
@@ -245,8 +249,9 @@ RBDYN_INLINE void TreeModel::turn(const Mode& before, Mode& mode, double t, std:
                 continue;
             }
         }
-        // what an engine's accuracy cannot tell from rest stops along its last direction, but where it passes by
-        const bool passes = slip.cross(rate).norm() > 0.125 * speed * rate.norm(),
+        // what an engine's accuracy cannot tell from rest stops along its last direction, but where it passes by in
+        // steps that are longer than the rounding of the time
+        const bool passes = speed > 64.0 * lost && slip.cross(rate).norm() > 0.125 * speed * rate.norm(),
                    is_least = was_turning && (!(speed > 1.5 * memory.least) || (stops && !passes));
         if (is_least) memory.least = std::max(memory.least, speed);
         // where nothing is left of it the last direction is all there is, and of what starts the slip so far is

@@ -149,9 +149,10 @@ private:
     struct Fired {
         std::vector<int> landing, doubtful, breaking, stopping, turning, singular;
         std::vector<int> resisted_breaking, resisted_stopping, resisted_turning;  // of resistances
-        std::vector<int> stuck;                                                   // by an impact
-        std::vector<int> rubbed_breaking;                                         // joints
-        std::span<const double> largest;  // sizes of variables so far; empty: not known
+        std::vector<int> resisted_ending;  // those of the last that turn no more before they stop
+        std::vector<int> stuck;            // by an impact
+        std::vector<int> rubbed_breaking;  // joints
+        std::span<const double> largest;   // sizes of variables so far; empty: not known
         bool has(int contact) const;
         bool none() const;
     };

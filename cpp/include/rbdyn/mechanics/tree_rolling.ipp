@@ -53,7 +53,7 @@ RBDYN_INLINE void TreeWriter::guard_resistance(EquationsWriter& write, std::size
     }
     const Turning& now = turning_[e];
     if (state == contact_state::turning) {
-        guard(EventKind::stick, now.speed - now.least, false);
+        guard(EventKind::stick, now.speed - now.least);
         return guard(EventKind::switching,
                      now.last[0] * now.rate[0] + now.last[1] * now.rate[1] - S(0.875) * now.speed);
     }
@@ -210,7 +210,10 @@ RBDYN_INLINE void TreeModel::settle_resisted(const Mode& before, Mode& mode, dou
             mechanics::ResistanceMemory memory = resistance_memory(mode, e);
             const std::array<double, 2> rate = rate_of(e, all);
             const double speed = std::hypot(rate[0], rate[1]);
-            const bool is_least = state == mechanics::contact_state::turning && !(speed > 1.5 * memory.least);
+            const bool is_ending =
+                std::find(fired.resisted_ending.begin(), fired.resisted_ending.end(), e) != fired.resisted_ending.end();
+            const bool is_least =
+                state == mechanics::contact_state::turning && (is_ending || !(speed > 1.5 * memory.least));
             const bool has_started = state == mechanics::contact_state::starts;
             if (is_least) memory.least = std::max(memory.least, speed);
             if (!has_started && speed > 1e-3 * memory.least) {

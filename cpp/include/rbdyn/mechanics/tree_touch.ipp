@@ -124,10 +124,13 @@ RBDYN_INLINE void TreeModel::Encounter::list(std::span<const int> fired) {
             const Guard& guard = mode.equations->guards[at(index)];
             if (guard.contact != k) continue;
             if (guard.joint >= 0) {
-                (guard.kind == EventKind::slip    ? events.resisted_breaking
-                 : guard.kind == EventKind::stick ? events.resisted_stopping
-                                                  : events.resisted_turning)
-                    .push_back(guard.joint);
+                const bool ends = guard.kind == EventKind::stick &&
+                                  model.resisting(mode, guard.joint) == mechanics::contact_state::turning;
+                if (ends) events.resisted_ending.push_back(guard.joint);
+                std::vector<int>& list = guard.kind == EventKind::slip             ? events.resisted_breaking
+                                         : guard.kind == EventKind::stick && !ends ? events.resisted_stopping
+                                                                                   : events.resisted_turning;
+                if (!is_in(list, guard.joint)) list.push_back(guard.joint);
                 continue;
             }
             (guard.kind == EventKind::land       ? events.landing

@@ -1,0 +1,159 @@
+"""Friction is the same whenever a run begins: time is then known to 2^-52 of itself, and no more is lost.
+
+Where a slip ends, and where it begins to turn, u/|u| changes within less time than that. Against closed forms, and
+against the same scenes begun at zero.
+"""
+
+import math
+
+import numpy as np
+import pytest
+import rbdyn as rb
+
+EPSILON = np.finfo(float).eps
+G = 9.81
+
+
+def incline(angle):
+    return rb.Scene(gravity=[G * math.sin(angle), 0, -G * math.cos(angle)])
+
+
+def particle(mu, angle, velocity):
+    scene = incline(angle)
+    scene.contact(scene.add(rb.Particle(1.0), velocity=velocity), rb.Plane([0, 0, 1]), friction=rb.Coulomb(mu))
+    return scene, 1.0
+
+
+def box(mu, angle, velocity):
+    scene = incline(angle)
+    body = scene.add(rb.RigidBody(1.0, [0.1, 0.1, 0.15]), position=[0, 0, 0.1], velocity=velocity)
+    for x, y in [(1, 1), (-1, 1), (-1, -1), (1, -1)]:
+        scene.contact(body.point([x, y, -0.1]), rb.Plane([0, 0, 1]), friction=rb.Coulomb(mu))
+    return scene, 1.0
+
+
+def ball(mu, angle, velocity):
+    """It rolls; what resists that is mu of its weight, and 2/5 of its mass turns with it."""
+    scene, r = incline(angle), 0.1
+    body = scene.add(
+        rb.RigidBody(1.0, [0.4 * r * r] * 3),
+        position=[0, 0, r],
+        velocity=velocity,
+        angular_velocity=[-velocity[1] / r, velocity[0] / r, 0],
+    )
+    scene.contact(body.sphere(r), rb.Plane([0, 0, 1]), friction=rb.Coulomb(2.0, rolling=mu * r))
+    return scene, 5 / 7
+
+
+@pytest.mark.parametrize("build", [particle, box, ball])
+@pytest.mark.parametrize("late", [0.0, 1e2, 1e4, 1e6])
+@pytest.mark.parametrize(
+    "mu, ratio, speed, phi",
+    [
+        (0.26348613830278034, 8.1, 23.2, -1.0877),
+        (0.5539146932514059, 11.6, 23.7, 2.7147),
+        (0.14044775839024767, 5.8, 0.42, 2.772),
+        (0.16500992245907872, 35.2, 0.518, -2.0134),
+        (0.3521178394998816, 30.4, 2.54, 2.3665),
+        (0.005, 15.0, 1.3, 0.7),
+    ],
+)
+def test_what_is_thrown_across_an_incline_stops_when_it_does(build, late, mu, ratio, speed, phi):
+    # friction a along the slip u and weight s down the incline: a |u| + s u_x falls by a^2 - s^2 each second
+    angle = math.atan(mu / ratio)
+    velocity = [speed * math.cos(phi), speed * math.sin(phi), 0]
+    scene, part = build(mu, angle, velocity)
+    a, s = part * mu * G * math.cos(angle), part * G * math.sin(angle)
+    duration = (a * math.hypot(*velocity) + s * velocity[0]) / (a * a - s * s)
+    start, error = late * duration, max(1e-9, 4 * EPSILON * late)
+    run = rb.simulate(scene, start=start, until=start + 1.5 * duration, error=error)
+    assert {e.kind for e in run.events} == {"stick", "rest"}
+    stopped = max(e.time for e in run.events)
+    assert abs((stopped - start) - duration) <= (run.error + 4 * EPSILON) * duration + 1.5 * EPSILON * start
+
+
+def plate(seed):
+    """On three feet, sliding and turning."""
+    g = np.random.default_rng([3, seed])
+    angles = np.array([0, 2.1, 4.2]) + g.uniform(-0.5, 0.5, 3)
+    velocity, spin = g.normal(size=2), g.normal() * 3.0
+    scene = rb.Scene(gravity=[0, 0, -G])
+    body = scene.add(
+        rb.RigidBody(1.0, [0.2, 0.2, 0.35]),
+        position=[0, 0, 0.1],
+        velocity=[*velocity, 0],
+        angular_velocity=[0, 0, spin],
+    )
+    for a in angles:
+        scene.contact(body.point([math.cos(a), math.sin(a), -0.1]), rb.Plane([0, 0, 1]), friction=rb.Coulomb(0.3))
+    return scene, body
+
+
+@pytest.mark.parametrize("start", [10.0, 100.0, 1e3, 1e4])
+@pytest.mark.parametrize("seed", [5, 13, 22, 31, 40, 48])
+def test_plates_on_three_feet_begin_to_turn_at_any_time(seed, start):
+    # their feet leave the lines they began along within the rounding of the time
+    scene, body = plate(seed)
+    first = rb.simulate(scene, 0.5, error=1e-8)
+    later = rb.simulate(scene, start=start, until=start + 0.5, error=1e-8)
+    assert [e.kind for e in later.events] == [e.kind for e in first.events]
+    for t in (0.1, 0.3, 0.5):
+        off = later[body].velocity(start + t) - first[body].velocity(t)
+        assert np.linalg.norm(off) <= 2 * (first.error + later.error) + 64 * EPSILON * start * G
+
+
+def sledge(seed, start):
+    """On three feet, turning, pushed to and fro."""
+    g = np.random.default_rng([4, seed])
+    velocity, spin, mu = g.normal(size=2), g.normal(), g.choice([0.1, 0.3, 0.8])
+    size, pace = g.uniform(1, 5), g.uniform(2, 8)
+    scene = rb.Scene(gravity=[0, 0, -G])
+    body = scene.add(
+        rb.RigidBody(1.3, [0.15, 0.18, 0.2]),
+        position=[0, 0, 0.2],
+        velocity=[*velocity, 0],
+        angular_velocity=[0, 0, spin],
+    )
+    for a in (0, 2.1, 4.2):
+        foot = body.point([0.8 * math.cos(a), 0.8 * math.sin(a), -0.2])
+        scene.contact(foot, rb.Plane([0, 0, 1]), friction=rb.Coulomb(1.3 * mu, mu))
+    scene.apply(rb.Force(lambda t, r, v: size * np.sin(pace * (t - start)) * np.array([1.0, 0.3, 0.0])), body)
+    return scene, body
+
+
+@pytest.mark.parametrize("start", [1e3, 1e5])
+@pytest.mark.parametrize("seed", range(12))
+def test_sledges_that_are_pushed_to_and_fro_move_alike_at_any_time(seed, start):
+    runs = []
+    for t in (0.0, start):
+        scene, body = sledge(seed, t)
+        runs.append(rb.simulate(scene, start=t, until=t + 1.0, error=1e-7))
+    first, later = runs
+    first, later = runs
+    assert [e.kind for e in later.events] == [e.kind for e in first.events]
+    for a, b in zip(first.events, later.events, strict=True):
+        assert abs((b.time - start) - a.time) <= 2 * (first.error + later.error) + 16 * EPSILON * start
+
+
+def on_a_shaken_table(seed, start):
+    g = np.random.default_rng([6, seed])
+    pace, size, mu, velocity = g.uniform(2, 6), g.uniform(0.05, 0.3), g.uniform(0.1, 0.5), g.normal(size=2)
+    scene = rb.Scene(gravity=[0, 0, -G])
+    shaken = rb.Prismatic([1, 0, 0], motion=lambda t: size * np.sin(pace * (t - start)))
+    table = scene.add(rb.RigidBody(1.0, [1.0] * 3), shaken)
+    body = scene.add(rb.Particle(1.0), velocity=[velocity[0] + size * pace, velocity[1], 0])
+    scene.contact(body, table.plane([0, 0, 1]), friction=rb.Coulomb(1.1 * mu, mu))
+    return scene, body
+
+
+@pytest.mark.parametrize("seed, start", [(13, 1e4), (6, 1e4), (13, 1e5), (3, 1e5)])
+def test_what_comes_to_rest_on_a_shaken_table_does_so_at_any_time(seed, start):
+    runs = []
+    for t in (0.0, start):
+        scene, body = on_a_shaken_table(seed, t)
+        runs.append(rb.simulate(scene, start=t, until=t + 2.0, error=1e-8))
+    first, later = runs
+    first, later = runs
+    assert [e.kind for e in later.events] == [e.kind for e in first.events]
+    for a, b in zip(first.events, later.events, strict=True):
+        assert abs((b.time - start) - a.time) <= 2 * (first.error + later.error) + 16 * EPSILON * start
