@@ -172,7 +172,7 @@ RBDYN_INLINE TreeModel::Rubbed TreeModel::tried(const Mode& before, const Mode& 
     Mode unheld = result.mode;
     for (std::size_t i = 0; i < n; ++i)
         if (sign[i] == joint_contacts::idle) unheld.slip[at(first_joint()) + i] = open;
-    choose(unheld, t, x, {}, true);
+    if (unheld.slip != result.mode.slip) choose(unheld, t, x, {}, true);
     const auto rates = acting_in(unheld, 0, 0, t, x);
     for (std::size_t i = 0; i < n; ++i) {
         const mechanics::RoughJoint& joint = joints_[i];

@@ -229,7 +229,10 @@ RBDYN_INLINE std::vector<std::string> TreeModel::guards() const {
     std::vector<std::string> lines;
     std::set<std::string> known;
     std::vector<double> x = start(0.0);
-    for (const Guard& guard : begin(0.0, x).equations->guards) {
+    const Mode first = begin(0.0, x);
+    // where no motion begins nothing is guarded
+    if (first.equations == nullptr) return lines;
+    for (const Guard& guard : first.equations->guards) {
         if (guard.kind == EventKind::singular && guard.name.empty()) continue;
         const bool is_loop = guard.kind == EventKind::singular && guard.contact < 0;
         std::string line = (is_loop && guard.least < 0.0 ? "rank of " + guard.name + " (singular)"
