@@ -362,7 +362,8 @@ RBDYN_INLINE std::vector<double> forces_inside(const std::vector<double>& z0, co
             const std::vector<double> step = solve_any(bend, down, 1e-40);
             double falls = 0.0;
             for (std::size_t i = 0; i <= count; ++i) falls -= step[i] * slope[i];
-            if (falls < 1e-13 * (first ? weight : 1.0)) return !first;
+            // of the first, whether it falls by less than its rounding is not told
+            if (falls < (first ? std::max(1e-13 * weight, 0x1p-52 * std::abs(now)) : 1e-13)) return !first;
             double way = 1.0;
             while (true) {
                 std::vector<double> next = c;

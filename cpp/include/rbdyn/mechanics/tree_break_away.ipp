@@ -67,9 +67,18 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
             b.push_back(sum);
             noise.push_back(1e-14 * size);
         }
-        // where joints hold all of it nothing drives it but rounding
-        for (std::size_t i = 0; i < b.size() && !joints_.empty(); ++i)
-            if (!(touched.matrix[i][i] > 1e-10 * touched.coupled->alone(i))) b[i] = 0.0;
+        // where joints hold all of it no force accelerates it, and what of its acceleration is rounding of the forces
+        // that hold them is none; another one is that of what turns on about them
+        for (std::size_t k = 0; k < candidates.size() && !joints_.empty(); ++k) {
+            const auto first = static_cast<std::size_t>(touched.cones[k].first);
+            const double forces = 1e-12 * forces_at(candidates[k], open);
+            for (std::size_t i = first; i < first + (touched.cones[k].is_line ? 1U : 3U); ++i) {
+                const double alone = touched.coupled->alone(i);
+                if (touched.matrix[i][i] > 1e-10 * alone) continue;
+                std::ranges::fill(touched.matrix[i], 0.0);
+                if (std::abs(b[i]) <= forces * alone) b[i] = 0.0;
+            }
+        }
     };
     see(stopping);
     const auto breaks = [&](int k) { return std::find(breaking.begin(), breaking.end(), k) != breaking.end(); };

@@ -7,8 +7,9 @@
 // their states are the outer search: all held, what is furthest beyond its law changes first, then each way that there
 // is. Taking e anew from the solution is the search for |R|.
 //
-// A joint at rest whose acceleration the contacts hold already is idle: no friction of it is needed, and any up to its
-// limit would do.
+// A joint at rest whose acceleration the contacts hold already at zero is idle: no friction of it is needed, and any up
+// to its limit would do. Where they hold it at another value, as that of a linkage that moves on while a joint of it
+// turns back, no friction could hold the joint: its rate changes its sign.
 #pragma once
 
 #include <algorithm>
@@ -167,7 +168,12 @@ RBDYN_INLINE TreeModel::Rubbed TreeModel::tried(const Mode& before, const Mode& 
     if (!result.is_solved) return result;
     const mechanics::TreeState state = look(result.mode, t, x);
     const auto rows = rows_in(result.mode);
-    const auto rates = acting_in(result.mode, 0, 0, t, x);
+    // without friction, and without rest, of what does not need any
+    Mode unheld = result.mode;
+    for (std::size_t i = 0; i < n; ++i)
+        if (sign[i] == joint_contacts::idle) unheld.slip[at(first_joint()) + i] = open;
+    if (unheld.slip != result.mode.slip) choose(unheld, t, x, {}, true);
+    const auto rates = acting_in(unheld, 0, 0, t, x);
     for (std::size_t i = 0; i < n; ++i) {
         const mechanics::RoughJoint& joint = joints_[i];
         const mechanics::TreeState::Body& body = state.bodies[at(joint.body)];
@@ -188,12 +194,13 @@ RBDYN_INLINE TreeModel::Rubbed TreeModel::tried(const Mode& before, const Mode& 
                                   ? 0.0
                                   : std::abs(result.friction[i]) / std::max(limit + noise, 1e-300) + 1.0;
         } else if (sign[i] != joint_contacts::gone) {
-            // what contacts hold is idle and does not slide, what they do not is not idle
+            // what contacts hold at rest is idle and does not slide, what they do not is not idle
             std::vector<int> with = rows;
             with.push_back(conditions_->joint_row(static_cast<int>(i)));
             const bool is_held =
+                std::abs(one) <= result.least.back() &&
                 mechanics::independent_rows(*tree_, *conditions_, with, state.moving, rows.size()).size() <=
-                rows.size();
+                    rows.size();
             result.amiss[i] = is_held == (sign[i] == joint_contacts::idle) ? 0.0 : 1e300;
         }
     }

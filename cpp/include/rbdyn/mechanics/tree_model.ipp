@@ -230,7 +230,10 @@ RBDYN_INLINE std::vector<std::string> TreeModel::guards() const {
     std::vector<std::string> lines;
     std::set<std::string> known;
     std::vector<double> x = start(origin());
-    for (const Guard& guard : begin(origin(), x).equations->guards) {
+    const Mode first = begin(origin(), x);
+    // where no motion begins nothing is guarded
+    if (first.equations == nullptr) return lines;
+    for (const Guard& guard : first.equations->guards) {
         const bool is_end = guard.kind == EventKind::rail_end && guard.subject >= 0;
         // what goes over from one formula to another without an event, and what ends a motion
         if (guard.name.empty() && !is_end) continue;
