@@ -40,6 +40,29 @@ def test_what_touches_moves_as_equations_written_apart_tell(kind, inside, rolls)
     assert compared >= 3
 
 
+@pytest.mark.parametrize("rolls", [False, True], ids=["smooth", "rolls"])
+def test_a_face_goes_over_to_its_rim_and_back_on_a_large_ball(rolls):
+    """The place of contact passes the rim with many metres a second, and the force jumps there."""
+    passed = 0
+    for seed in range(12):
+        touching = Touching(seed, "face", False, rolls, radius_of_ball=30.0)
+        scene, body, contact = touching.scene()
+        try:
+            run = rb.simulate(scene, until=0.4, error=1e-11)
+        except rb.IntegrationError as failed:
+            run = failed.run
+        end = min([run.end] + [e.time for e in run.events])
+        times = np.linspace(0, end, 400)
+        y = np.array([run[body].rotation_matrix(t).T @ -run[body].position(t) for t in times])
+        across = np.hypot(y[:, 0], y[:, 1])
+        assert max(abs(run[contact].gap(t)) for t in times) < 2e-13 * 30
+        energy = run.energy(times)
+        assert np.ptp(energy) < 1e-11 * np.abs(energy).max()
+        rim = 100.0 - touching.distance(np.array([100.0, 0, 0]))[1]
+        passed += np.count_nonzero(np.diff(across > rim))
+    assert passed > 5
+
+
 def by_many(semi_axes, y, inside, random):
     """The distance of a place from an ellipsoid among 4,000 of its points, made the least."""
     points = random.normal(size=(4000, 3))
@@ -243,7 +266,8 @@ def test_a_disc_that_comes_to_lie_flat_in_a_bowl_is_named(rtol):
         rb.simulate(scene, until=3.0, rtol=rtol)
     run = failed.value.run
     place = run[coin].position(run.end)
-    assert np.linalg.norm(place) == pytest.approx(np.sqrt(1 - 0.04), rel=1e-9)
+    # a tilt of 2^-23 is none
+    assert np.linalg.norm(place) == pytest.approx(np.sqrt(1 - 0.04), abs=0.2 * 2.0**-22)
     assert run.energy(run.end) <= run.energy(0) + 1e-12 and abs(run[contact].gap(run.end)) < 1e-12
     # what goes over between face and rim, or all of a rim, has no name to list
     assert all(line.startswith("gap of contact 1") for line in run.plan.guards)

@@ -140,7 +140,7 @@ def align(direction, wanted, turn):
 class Touching:
     """A random body that touches a sphere near its top, or a bowl near its bottom, and slides or rolls there."""
 
-    def __init__(self, seed, kind, inside, rolls):
+    def __init__(self, seed, kind, inside, rolls, radius_of_ball=None):
         random = np.random.default_rng(seed)
         self.inside, self.rolls = inside, rolls
         self.mass = random.uniform(0.5, 3)
@@ -163,6 +163,7 @@ class Touching:
             around, tilt = random.uniform(0, 2 * np.pi), random.uniform(-0.8, 0.8) * steepest
             x = radius * np.array([np.cos(around), np.sin(around), 0])
             n = np.array([np.cos(around) * np.cos(tilt), np.sin(around) * np.cos(tilt), np.sin(tilt)])
+            self.radius = radius_of_ball or self.radius
             if kind == "face":
                 x, n = x * random.uniform(0, 0.6), np.array([0, 0, 1])
         n = n / np.linalg.norm(n)

@@ -74,8 +74,9 @@ NearestPoint<S> of_disc(const Led<S>& normal, const S& radius, const Led<S>& apa
     NearestPoint<S> result;
     S part, part_rate;
     if (is_farthest) {
-        // all of the rim is as far where p is nothing
-        const S whole = along * along + square, leans = square - whole * S(least_tilt * least_tilt);
+        // all of the rim is as far where p is nothing, within half of where what touches ends
+        constexpr double half = 0.5 * least_tilt;
+        const S whole = along * along + square, leans = square - whole * S(half * half);
         part = S(0.0) - where<S>(leans, rim, nothing);
         part_rate = S(0.0) - where<S>(leans, rim_rate, nothing);
         const S across = where<S>(

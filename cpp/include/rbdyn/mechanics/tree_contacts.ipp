@@ -223,7 +223,7 @@ RBDYN_INLINE std::string TreeModel::lies_flat(const std::vector<int>& closed,
         const Vector3 apart = tree_->point<double>(c.b, all).place - tree_->point<double>(c.a, all).place;
         const double tilt = is_in_bowl ? axis.cross(apart).norm() / std::max(apart.norm(), 0x1p-1022)
                                        : axis.cross(c.touching<double>(*tree_, all).normal).norm();
-        if (tilt < (is_in_bowl ? std::max(most, 2.0 * mechanics::nearest::least_tilt) : most))
+        if (tilt < most || (is_in_bowl && tilt < 2.0 * mechanics::nearest::least_tilt))
             return "the disc of " + c.name + " has come to lie flat, but for " + text(tilt) +
                    " rad: all of its rim touches, and no one point of it goes on";
     }

@@ -141,6 +141,11 @@ RBDYN_INLINE void PathEquilibria::turn_back(Equilibrium& e) const {
 }
 
 RBDYN_INLINE void PathEquilibria::walk(bool asked) {
+    // what begins where one formula goes over to another one is cut there as elsewhere
+    const auto cut_at_place = [&](std::size_t before) {
+        if (before == 0 || before == path_.size() || !pieces_.changes_at(place_)) return;
+        path_[before - 1].cut_above = path_[before].cut_below = true;
+    };
     const auto keep = [&](const Piece& p) {
         path_.push_back(p);
         // the same force all along
@@ -160,7 +165,9 @@ RBDYN_INLINE void PathEquilibria::walk(bool asked) {
         place_ = std::clamp(place_, low_, high_);
         pieces_.march(place_, low_, most_about, keep);
         std::reverse(path_.begin(), path_.end());
+        const std::size_t below = path_.size();
         pieces_.march(place_, high_, most_about, keep);
+        cut_at_place(below);
         round_ = 0.0;
         if (path_.empty()) return;
         low_ = path_.front().begin();
@@ -170,10 +177,12 @@ RBDYN_INLINE void PathEquilibria::walk(bool asked) {
     pieces_.march(place_, low_, most_stretches, keep);
     std::reverse(path_.begin(), path_.end());
     if (path_.size() == 1 && path_[0].endless && is_same_all_along(path_[0])) return;
+    const std::size_t below = path_.size();
     pieces_.march(place_, high_, most_stretches, [&](const Piece& p) {
         path_.push_back(p);
         return true;
     });
+    cut_at_place(below);
 }
 
 RBDYN_INLINE std::vector<double> PathEquilibria::flat_places(const Piece& p) {

@@ -127,6 +127,9 @@ public:
     /// A power of two of the parameter over which the forces change about u.
     double natural(double u);
 
+    /// Whether one formula of the forces goes over to another one at u.
+    bool changes_at(double u);
+
 private:
     // halvings of the way to a change of formula: the rest is a hundredth of it
     static constexpr int most_closer = 6;

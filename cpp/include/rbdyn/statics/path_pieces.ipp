@@ -79,6 +79,21 @@ RBDYN_INLINE double PathPieces::natural(double u) {
     return unit;
 }
 
+RBDYN_INLINE bool PathPieces::changes_at(double u) {
+    if (formula_.is_smooth) return false;
+    choose(u);
+    const auto sides = [&](double place) {
+        (*values_)(0.0, std::span<const double>(&place, 1));
+        std::vector<bool> above;
+        for (int k = 0; k < formula_.guards; ++k) above.push_back(values_->output(formula_.outputs + k) > 0.0);
+        const int switches = static_cast<int>(formula_.program.switches().size());
+        for (int k = 0; k < switches; ++k) above.push_back(values_->switch_value(k) > 0.0);
+        return above;
+    };
+    const double aside = std::max(8.0 * std::numeric_limits<double>::epsilon() * std::abs(u), 0x1p-1000);
+    return sides(u - aside) != sides(u + aside);
+}
+
 RBDYN_INLINE double PathPieces::power_of_two(double x) {
     int exponent = 0;
     std::frexp(x, &exponent);
