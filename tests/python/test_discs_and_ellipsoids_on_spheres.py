@@ -14,6 +14,15 @@ from touching_by_hand import Touching, disc, ellipsoid
 KINDS = ["ellipsoid", "disc", "face"]
 
 
+def up_to_a_change(scene, until, error):
+    """A run, and where it leaves, or where what does not slip would have to be pulled; else its end."""
+    try:
+        run = rb.simulate(scene, until=until, error=error)
+    except rb.IntegrationError as failed:
+        run = failed.run
+    return run, min([run.end] + [e.time for e in run.events])
+
+
 @pytest.mark.parametrize("rolls", [False, True], ids=["smooth", "rolls"])
 @pytest.mark.parametrize("kind,inside", [(k, i) for k in KINDS for i in (False, True) if not (i and k == "face")])
 def test_what_touches_moves_as_equations_written_apart_tell(kind, inside, rolls):
@@ -21,12 +30,7 @@ def test_what_touches_moves_as_equations_written_apart_tell(kind, inside, rolls)
     for seed in range(4):
         touching = Touching(seed, kind, inside, rolls)
         scene, body, contact = touching.scene()
-        try:
-            run = rb.simulate(scene, until=0.5, error=1e-10)
-        except rb.IntegrationError as failed:
-            run = failed.run
-        # up to where it leaves, or where what does not slip would have to be pulled
-        end = min([run.end] + [e.time for e in run.events])
+        run, end = up_to_a_change(scene, 0.5, 1e-10)
         if end < 0.05:
             continue
         times = np.linspace(0, end, 5)[1:]
@@ -47,11 +51,7 @@ def test_a_face_goes_over_to_its_rim_and_back_on_a_large_ball(rolls):
     for seed in range(12):
         touching = Touching(seed, "face", False, rolls, radius_of_ball=30.0)
         scene, body, contact = touching.scene()
-        try:
-            run = rb.simulate(scene, until=0.4, error=1e-11)
-        except rb.IntegrationError as failed:
-            run = failed.run
-        end = min([run.end] + [e.time for e in run.events])
+        run, end = up_to_a_change(scene, 0.4, 1e-11)
         times = np.linspace(0, end, 400)
         y = np.array([run[body].rotation_matrix(t).T @ -run[body].position(t) for t in times])
         across = np.hypot(y[:, 0], y[:, 1])
