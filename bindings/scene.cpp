@@ -372,7 +372,8 @@ refused; assemble() finds one from rough guesses.)")
         .def(
             "assemble", &assemble, py::arg("keep") = std::vector<BodyHandle>{}, py::kw_only(), py::arg("start") = 0.0,
             R"(Solves the start for all constraints from the guesses given, coordinates, then rates; those of the bodies in keep stay
-as they are. start [s]: when a run is to start, which is where driven joints and rails that move are. Returns the largest change of a coordinate. Raises InvalidInput, with the gaps left, where there is no way.)")
+as they are. start [s]: when a run is to start, which is where driven joints and rails that move are. Returns the largest
+change of a coordinate. Raises InvalidInput, with the gaps left, where there is no way.)")
         .def("contact", &contact, py::arg("a"), py::arg("b"), py::kw_only(), py::arg("friction") = py::none(),
              py::arg("restitution") = 0.0, py::arg("name") = py::none(),
              R"(Lets a touch b: it does not go beyond it. Returns a handle.

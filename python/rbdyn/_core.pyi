@@ -2257,7 +2257,8 @@ class Scene:
     def assemble(self, keep: collections.abc.Sequence[BodyHandle] = [], *, start: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> float:
         """
         Solves the start for all constraints from the guesses given, coordinates, then rates; those of the bodies in keep stay
-        as they are. start [s]: when a run is to start, which is where driven joints and rails that move are. Returns the largest change of a coordinate. Raises InvalidInput, with the gaps left, where there is no way.
+        as they are. start [s]: when a run is to start, which is where driven joints and rails that move are. Returns the largest
+        change of a coordinate. Raises InvalidInput, with the gaps left, where there is no way.
         """
     def connect(self, coupling: Spring | Gravitation | Central | PairForce, a: _End, b: _End) -> CouplingHandle:
         """

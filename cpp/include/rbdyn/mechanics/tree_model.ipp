@@ -98,10 +98,9 @@ RBDYN_INLINE bool needs_tree(const Scene& scene) {
     for (const Scene::AppliedLoad& l : scene.loads())
         if (std::holds_alternative<JointTorque>(l.load) || std::holds_alternative<JointForce>(l.load)) return true;
     const auto is_special = [](const Scene::Body& b) {
-        if (b.parent >= 0 || friction_in(b.joint)) return false;
-        if (const Revolute* hinge = std::get_if<Revolute>(&b.joint)) return !hinge->motion;
-        if (const Prismatic* slide = std::get_if<Prismatic>(&b.joint)) return !slide->motion;
-        return std::holds_alternative<Free>(b.joint) || std::holds_alternative<Rail>(b.joint) ||
+        if (b.parent >= 0 || friction_in(b.joint) || is_driven(b.joint)) return false;
+        return std::holds_alternative<Revolute>(b.joint) || std::holds_alternative<Prismatic>(b.joint) ||
+               std::holds_alternative<Free>(b.joint) || std::holds_alternative<Rail>(b.joint) ||
                std::holds_alternative<Spherical>(b.joint);
     };
     return !std::all_of(scene.bodies().begin(), scene.bodies().end(), is_special);

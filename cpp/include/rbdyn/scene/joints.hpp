@@ -291,6 +291,8 @@ struct FixedStart {
 
 using Joint = std::variant<Free, Rail, Spherical, Revolute, Prismatic, Universal, Cylindrical, Planar, Fixed>;
 
+/// Whether a hinge or a slide follows a function of time.
+bool is_driven(const Joint& joint);
 /// The friction in a hinge or a slide, if there is any.
 std::optional<Coulomb> friction_in(const Joint& joint);
 /// The friction of a rail, if there is any; a number of the user's counts as some.

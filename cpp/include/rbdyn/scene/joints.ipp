@@ -165,6 +165,12 @@ inline std::optional<Coulomb> unless_none(const std::optional<Coulomb>& friction
 
 }  // namespace joints
 
+RBDYN_INLINE bool is_driven(const Joint& joint) {
+    if (const Revolute* hinge = std::get_if<Revolute>(&joint)) return hinge->motion.has_value();
+    if (const Prismatic* slide = std::get_if<Prismatic>(&joint)) return slide->motion.has_value();
+    return false;
+}
+
 RBDYN_INLINE std::optional<Coulomb> friction_in(const Joint& joint) {
     if (const Revolute* hinge = std::get_if<Revolute>(&joint)) return joints::unless_none(hinge->friction);
     if (const Prismatic* slide = std::get_if<Prismatic>(&joint)) return joints::unless_none(slide->friction);

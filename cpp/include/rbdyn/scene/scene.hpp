@@ -153,8 +153,6 @@ public:
     /// The time at which joints and rails that move by functions of time are where this scene starts: 0 for the user's
     /// own, else when a run that is made of it starts.
     double origin() const { return origin_; }
-    /// Whether there are such joints and rails.
-    bool is_driven() const;
     /// The same scene, to start at another time if that matters to it.
     Scene begun_at(double time) &&;
 

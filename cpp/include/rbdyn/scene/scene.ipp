@@ -406,16 +406,11 @@ RBDYN_INLINE Scene Scene::frozen() const {
     return result;
 }
 
-RBDYN_INLINE bool Scene::is_driven() const {
-    return std::ranges::any_of(bodies(), [](const Body& b) {
-        if (const Revolute* hinge = std::get_if<Revolute>(&b.joint)) return hinge->motion.has_value();
-        if (const Prismatic* slide = std::get_if<Prismatic>(&b.joint)) return slide->motion.has_value();
-        return b.rail() != nullptr && b.rail()->motion().present();
-    });
-}
-
 RBDYN_INLINE Scene Scene::begun_at(double time) && {
-    origin_ = is_driven() ? time : 0.0;
+    const bool moves = std::ranges::any_of(bodies(), [](const Body& b) {
+        return is_driven(b.joint) || (b.rail() != nullptr && b.rail()->motion().present());
+    });
+    origin_ = moves ? time : 0.0;
     return std::move(*this);
 }
 

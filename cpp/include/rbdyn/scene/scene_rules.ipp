@@ -118,17 +118,13 @@ RBDYN_INLINE void Scene::require_fitting(const Load& load, const Body& body, con
     }
     if (is_turning && at)
         throw InvalidInput("apply: at is given for a Torque, which is the same about every point; leave it out");
-    const bool is_driven = [&] {
-        if (const Revolute* hinge = std::get_if<Revolute>(&body.joint)) return hinge->motion.has_value();
-        if (const Prismatic* slide = std::get_if<Prismatic>(&body.joint)) return slide->motion.has_value();
-        return false;
-    }();
+    const bool is_free = !is_driven(body.joint);
     const bool turns_about_axis =
-                   !is_driven &&
+                   is_free &&
                    (std::holds_alternative<Revolute>(body.joint) || std::holds_alternative<Cylindrical>(body.joint) ||
                     std::holds_alternative<Universal>(body.joint) || std::holds_alternative<Planar>(body.joint)),
-               slides = !is_driven && (std::holds_alternative<Prismatic>(body.joint) ||
-                                       std::holds_alternative<Cylindrical>(body.joint));
+               slides = is_free && (std::holds_alternative<Prismatic>(body.joint) ||
+                                    std::holds_alternative<Cylindrical>(body.joint));
     if (std::holds_alternative<JointTorque>(load) && (!turns_about_axis || at))
         throw InvalidInput(
             "apply: a JointTorque acts about the axis of a Revolute, Cylindrical, Universal or Planar "
