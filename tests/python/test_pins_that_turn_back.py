@@ -102,3 +102,43 @@ def test_pins_that_jam_at_the_start_are_refused():
         Linkage(*given[:4]).run(np.concatenate(given[4]), 0.1)
     with pytest.raises(rb.IntegrationError, match="no forces"):
         rb.simulate(linkage(*given)[0], until=0.1)
+
+
+def at_dead_point(seed):
+    """At rest with the tip exactly below the first pin, the bars to one side."""
+    rng = np.random.default_rng([77, seed])
+    masses, height = rng.uniform(0.5, 2, 2), rng.uniform(1.2, 1.9)
+    pins = [(k * rng.uniform(1, 1.4), k, rng.uniform(0.02, 0.1)) for k in rng.uniform(0.05, 0.5, 2)]
+    return masses, pins, height, 0.2 * (seed % 2), start(height, 0.0, 0.0, rng.choice([-1, 1]))
+
+
+@pytest.mark.parametrize("seed", range(4, 12))
+def test_from_rest_at_the_dead_point_the_second_pin_begins_as_the_third_power_of_time(seed):
+    """The angle between the bars is extreme there, so the second pin begins without an acceleration. It was said to
+    stay at rest while both bars turned on about the first one, and the contact to push at a gap of 4 cm. By hand from
+    0.3 um/s beside rest."""
+    given = at_dead_point(seed)
+    scene, bodies = linkage(*given)
+    run = rb.simulate(scene, until=0.3, error=1e-9)
+    way = np.sign(run[bodies[0]].rate(1e-3))
+    by_hand = Linkage(*given[:4])
+    t, y, told = by_hand.run(np.concatenate([given[4][0], [way * 3e-7] * 2]), 0.3)
+    assert t == 0.3 and told == [] and list(run.events) == []
+    angles, rates = np.cumsum([[run[body].angle(t), run[body].rate(t)] for body in bodies], axis=0).T
+    assert np.abs(angles - y[:2]).max() < 3e-7 and np.abs(rates - y[2:]).max() < 2e-6
+    assert abs(given[2] - np.sin(angles).sum()) < 1e-13
+    # as t^3: eight times in twice the time
+    first, second = (run[bodies[1]].rate(time) for time in (1e-3, 2e-3))
+    assert second / first == pytest.approx(8, rel=1e-3)
+
+
+def test_a_pin_that_friction_holds_at_the_dead_point_lets_the_tip_rise_from_rest():
+    """Where static friction of the second pin carries the second bar, the tip rises as the fourth power of time."""
+    masses, pins = (1.27268839, 1.54617619), [(2.7664913, 2.637, 0.0745), (3.12936, 2.3527, 0.0949)]
+    scene, (first, second) = linkage(masses, pins, 1.8, 0.0, start(1.8, 0.0, 0.0, 1))
+    run = rb.simulate(scene, until=0.3, error=1e-9)
+    times = np.array([0.1, 0.2])
+    assert np.all(run[second].rate(times) == 0)
+    angles = np.array([run[first].angle(times), run[first].angle(times) + run[second].angle(times)])
+    gaps = 1.8 - np.sin(angles).sum(axis=0)
+    assert gaps[1] / gaps[0] == pytest.approx(16, rel=0.2) and list(run.events) == []

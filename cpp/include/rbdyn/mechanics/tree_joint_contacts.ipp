@@ -119,6 +119,7 @@ struct TreeModel::Rubbed {
     std::vector<std::array<double, 2>> load;                       // what presses each joint
     std::vector<double> friction, acceleration, amiss, load_size;  // amiss: over what it may be; above 1 it is wrong
     std::vector<double> least;                                     // accelerations below it are rounding
+    std::vector<double> late_rate;                                 // rates that the rounding of the time makes
     bool is_solved = false;
     bool is_right() const {
         return is_solved && std::all_of(amiss.begin(), amiss.end(), [](double one) { return one <= 1.0; });
@@ -130,7 +131,7 @@ RBDYN_INLINE TreeModel::Rubbed TreeModel::tried(const Mode& before, const Mode& 
                                                 const std::vector<int>& sign) const {
     using namespace mechanics::joint_state;
     const std::size_t n = joints_.size();
-    Rubbed result{mode, {}, {}, {}, std::vector<double>(n, 0.0), {}, {}, false};
+    Rubbed result{mode, {}, {}, {}, std::vector<double>(n, 0.0), {}, {}, {}, false};
     std::vector<std::array<double, 2>> along;
     for (std::size_t i = 0; i < n; ++i) along.push_back(joint_memory(mode, static_cast<int>(i)).along);
     double last = 2.0;
@@ -174,15 +175,27 @@ RBDYN_INLINE TreeModel::Rubbed TreeModel::tried(const Mode& before, const Mode& 
         if (sign[i] == joint_contacts::idle) unheld.slip[at(first_joint()) + i] = open;
     if (unheld.slip != result.mode.slip) choose(unheld, t, x, {}, true);
     const auto rates = acting_in(unheld, 0, 0, t, x);
+    // what all of it comes to within the rounding of the time is rounding, too
+    const double late = 8.0 * epsilon * std::abs(t);
+    std::vector<double> there(x.begin(), x.end());
+    for (std::size_t i = 0; i < there.size(); ++i) there[i] += late * rates->values[i];
+    const auto later = acting_in(unheld, 0, 0, t + late, there);
+    const std::vector<double> said = said_of_joints(result.mode, t + late, there);
     for (std::size_t i = 0; i < n; ++i) {
         const mechanics::RoughJoint& joint = joints_[i];
         const mechanics::TreeState::Body& body = state.bodies[at(joint.body)];
-        const double size = joint.turns ? body.effort.moment.norm() : body.effort.force.norm(), noise = 1e-13 * size;
+        const double size = joint.turns ? body.effort.moment.norm() : body.effort.force.norm();
+        const double* const one_later = said.data() + mechanics::JointMemory::said * i;
+        const double turned =
+            std::hypot(one_later[1] - result.load[i][0], one_later[2] - result.load[i][1]) * joint.radius;
+        const double noise = 1e-13 * size + std::abs(one_later[0] - result.friction[i]) + joint.mu_static * turned;
         result.load_size.push_back(body.effort.force.norm());
         const mechanics::closing::Responses alone(*tree_, *conditions_, {conditions_->joint_row(static_cast<int>(i))},
                                                   state.moving);
-        result.least.push_back(noise * alone.matrix()[0][0]);
         double one = rates->values[at(tree_->positions() + joint.v)];
+        const double change = std::abs(later->values[at(tree_->positions() + joint.v)] - one);
+        result.least.push_back(1e-13 * size * alone.matrix()[0][0] + change);
+        result.late_rate.push_back(change * late);
         if (joint.rail)
             one = joint.pace(state.moving) * one -
                   joint.carried(t, x.data(), x[at(tree_->positions() + joint.v)], state.moving);
@@ -197,14 +210,53 @@ RBDYN_INLINE TreeModel::Rubbed TreeModel::tried(const Mode& before, const Mode& 
             // what contacts hold at rest is idle and does not slide, what they do not is not idle
             std::vector<int> with = rows;
             with.push_back(conditions_->joint_row(static_cast<int>(i)));
-            const bool is_held =
-                std::abs(one) <= result.least.back() &&
-                mechanics::independent_rows(*tree_, *conditions_, with, state.moving, rows.size()).size() <=
-                    rows.size();
+            bool is_held = std::abs(one) <= result.least.back() &&
+                           mechanics::independent_rows(*tree_, *conditions_, with, state.moving, rows.size()).size() <=
+                               rows.size();
+            // nor is what they hold at this place alone, as from rest where its angle is extreme: it begins without an
+            // acceleration, and goes the way that comes next
+            if (is_held && !joint.rail)
+                if (const int next = leading_sign(unheld, t, x, tree_->positions() + joint.v, 1); next != 0) {
+                    is_held = false;
+                    result.acceleration.back() = 2.0 * static_cast<double>(next) * result.least.back();
+                }
             result.amiss[i] = is_held == (sign[i] == joint_contacts::idle) ? 0.0 : 1e300;
         }
     }
     return result;
+}
+
+RBDYN_INLINE std::vector<TreeModel::Gap> TreeModel::gaps_beside_held(const Mode& mode, double t, std::span<double> x,
+                                                                     const std::vector<int>& candidates) const {
+    std::vector<Gap> gaps;
+    const auto all = moving(t, x);
+    std::vector<int> held;
+    for (std::size_t i = 0; i < joints_.size(); ++i)
+        if (mode.slip[at(first_joint()) + i] == mechanics::joint_state::held) held.push_back(static_cast<int>(i));
+    // whether constraints and held joints, all but one, move no contact's gap
+    const auto settles = [&](int contact, int but) {
+        std::vector<int> rows = rows_;
+        for (const int i : held)
+            if (i != but) rows.push_back(conditions_->joint_row(i));
+        const std::size_t first = rows.size();
+        rows.push_back(conditions_->normal_row(contact));
+        return mechanics::independent_rows(*tree_, *conditions_, rows, all, first).size() <= first;
+    };
+    for (const int k : candidates) {
+        if (held.empty() || mode.slip[at(k)] == flies || !settles(k, -1)) continue;
+        gaps.push_back({k, 0, {}});
+        for (const int i : held)
+            if (!settles(k, i)) gaps.back().joints.push_back(i);
+    }
+    if (gaps.empty()) return gaps;
+    Mode without = mode;
+    for (const Gap& gap : gaps) without.slip[at(gap.contact)] = flies;
+    choose(without, t, x, {}, true);
+    for (const Guard& guard : without.equations->guards)
+        for (Gap& gap : gaps)
+            if (guard.kind == EventKind::land && guard.output >= 0 && guard.contact == gap.contact)
+                gap.sign = leading_sign(without, t, x, guard.output, 2);
+    return gaps;
 }
 
 RBDYN_INLINE void TreeModel::settle_all(const Mode& before, Mode& mode, double t, std::span<double> x,
@@ -251,7 +303,7 @@ RBDYN_INLINE void TreeModel::settle_all(const Mode& before, Mode& mode, double t
     }
     // what shares its load with others breaks only where no forces inside all cones are left
     std::vector<int> breaking = shares_load(before) ? std::vector<int>{} : fired.rubbed_breaking;
-    Rubbed found{undecided, {}, {}, {}, {}, {}, {}, false};
+    Rubbed found{undecided, {}, {}, {}, {}, {}, {}, {}, false};
     const auto breaks = [&](std::size_t i) {
         return std::find(breaking.begin(), breaking.end(), static_cast<int>(i)) != breaking.end();
     };
@@ -337,6 +389,26 @@ RBDYN_INLINE void TreeModel::settle_all(const Mode& before, Mode& mode, double t
                     : "no friction in the joints, and no forces of contacts, satisfy their laws, of " + names;
             return;
         }
+        // where what joints hold would move a contact's gap, only later, one of both is not held
+        const std::vector<Gap> gaps = gaps_beside_held(found.mode, t, x, candidates);
+        if (std::ranges::any_of(gaps, [](const Gap& gap) { return gap.sign != 0; })) {
+            std::vector<int> closed = candidates, opening;
+            for (const Gap& gap : gaps)
+                if (gap.sign > 0) opening.push_back(gap.contact);
+            std::erase_if(closed, [&](int k) { return std::ranges::find(opening, k) != opening.end(); });
+            Mode parted = undecided;
+            for (const int k : opening) parted.slip[at(k)] = flies;
+            if (!opening.empty()) settle_all(before, parted, t, x, closed, fired);
+            if (!opening.empty() && parted.impossible.empty() && joint_contacts::part(parted, t, x, opening)) {
+                mode = std::move(parted);
+                return;
+            }
+            const std::size_t known = breaking.size();
+            for (const Gap& gap : gaps)
+                for (const int i : gap.joints)
+                    if (gap.sign != 0 && !breaks(at(i))) breaking.push_back(i);
+            if (breaking.size() > known) continue;
+        }
         // at its limit it is held unless the next moment takes it beyond
         int leaves = -1;
         if (shares_load(found.mode)) break;
@@ -363,8 +435,9 @@ RBDYN_INLINE void TreeModel::settle_all(const Mode& before, Mode& mode, double t
         if (begins)
             acceleration =
                 std::max(acceleration, found.load_size[i] / static_cast<double>(tree_->node(joints_[i].body).mass));
-        mode.slip[at(first_joint()) + i] = sliding_state(mode, joint, t, x, sign[i], begins, slip[i], acceleration,
-                                                         length, found.load[i], found.load_size[i]);
+        mode.slip[at(first_joint()) + i] =
+            sliding_state(mode, joint, t, x, sign[i], begins, slip[i], found.late_rate[i], acceleration, length,
+                          found.load[i], found.load_size[i]);
     }
     choose(mode, t, x, {}, true);
 }

@@ -117,6 +117,13 @@ RBDYN_INLINE void TreeModel::settle_joints(const Mode& before, Mode& mode, doubl
     }
 }
 
+RBDYN_INLINE std::vector<double> TreeModel::moved_on(const Evaluator<double>& rates, std::span<const double> x,
+                                                     double time) {
+    std::vector<double> there(x.begin(), x.end());
+    for (std::size_t i = 0; i < there.size(); ++i) there[i] += time * rates.output(static_cast<int>(i));
+    return there;
+}
+
 RBDYN_INLINE void TreeModel::decide_joints(const Mode& before, Mode& mode, double t, std::span<double> x,
                                            const std::vector<int>& breaking) const {
     using namespace mechanics::joint_state;
@@ -132,16 +139,19 @@ RBDYN_INLINE void TreeModel::decide_joints(const Mode& before, Mode& mode, doubl
     const auto constraints = constraints_of(conditions_->rows<double>(*tree_, state.moving));
     const mechanics::FrictionResponse<double> response(*tree_in(mode), joints_, accelerate, t, state.moving,
                                                        constraints);
+    // of what the values are of
+    const auto accelerates = [&](std::size_t i, const std::vector<mechanics::Moving<double>>& all, double time,
+                                 std::span<const double> y) {
+        const mechanics::RoughJoint& joint = joints_[i];
+        const double one = values.output(tree_->positions() + joint.v);
+        if (!joint.rail) return one;
+        return joint.pace(all) * one - joint.carried(time, y.data(), y[at(tree_->positions() + joint.v)], all);
+    };
     tree_joints::Rubbing rubbing;
     for (std::size_t i = 0; i < n; ++i) {
         const mechanics::RoughJoint& joint = joints_[i];
         const mechanics::TreeState::Body& body = state.bodies[at(joint.body)];
-        rubbing.acceleration.push_back(values.output(tree_->positions() + joint.v));
-        if (joint.rail) {
-            double& one = rubbing.acceleration.back();
-            const double rate = x[at(tree_->positions() + joint.v)];
-            one = joint.pace(state.moving) * one - joint.carried(t, x.data(), rate, state.moving);
-        }
+        rubbing.acceleration.push_back(accelerates(i, state.moving, t, x));
         rubbing.load.push_back(response.across(i, body.reaction.force));
         rubbing.load_size.push_back(body.effort.force.norm());
         rubbing.noise.push_back(1e-14 * (joint.turns ? body.effort.moment.norm() : body.effort.force.norm()));
@@ -150,6 +160,21 @@ RBDYN_INLINE void TreeModel::decide_joints(const Mode& before, Mode& mode, doubl
         for (std::size_t j = 0; j < n; ++j) {
             rubbing.matrix.back().push_back(response.acceleration(i, j));
             rubbing.by.back().push_back(response.load(i, j));
+        }
+    }
+    // what they come to within the rounding of the time is rounding, too
+    std::vector<double> late_rate(n, 0.0);
+    if (const double late = 8.0 * epsilon * std::abs(t); late > 0.0) {
+        const std::vector<double> there = moved_on(values, x, late);
+        const mechanics::TreeState later = look(mode, t + late, there);
+        values(t + late, there);
+        for (std::size_t i = 0; i < n; ++i) {
+            const double change = std::abs(accelerates(i, later.moving, t + late, there) - rubbing.acceleration[i]),
+                         by = rubbing.matrix[i][i];
+            const auto load = response.across(i, later.bodies[at(joints_[i].body)].reaction.force);
+            const double turn = std::hypot(load[0] - rubbing.load[i][0], load[1] - rubbing.load[i][1]);
+            late_rate[i] = change * late;
+            rubbing.noise[i] += joints_[i].mu_static * joints_[i].radius * turn + (by > 0.0 ? change / by : 0.0);
         }
     }
     std::vector<int> sign(n, 0);
@@ -257,21 +282,23 @@ RBDYN_INLINE void TreeModel::decide_joints(const Mode& before, Mode& mode, doubl
         const bool begins = rate == 0.0 || std::find(resting.begin(), resting.end(), i) != resting.end() ||
                             has(before.slip[at(first_joint()) + i], from_rest);
         const double size = std::max(std::abs(rubbing.acceleration[i]), std::abs(answer.acceleration[i]));
-        const signed char now = sliding_state(mode, static_cast<int>(i), t, x, sign[i], begins, rate, size, length,
-                                              answer.load[i], rubbing.load_size[i]);
+        const signed char now = sliding_state(mode, static_cast<int>(i), t, x, sign[i], begins, rate, late_rate[i],
+                                              size, length, answer.load[i], rubbing.load_size[i]);
         first[static_cast<std::ptrdiff_t>(i)] = now;
     }
     choose(mode, t, x, {}, true);
 }
 
 RBDYN_INLINE signed char TreeModel::sliding_state(Mode& mode, int joint, double t, std::span<const double> x, int sign,
-                                                  bool begins, double rate, double acceleration, double length,
-                                                  const std::array<double, 2>& load, double load_size) const {
+                                                  bool begins, double rate, double late_rate, double acceleration,
+                                                  double length, const std::array<double, 2>& load,
+                                                  double load_size) const {
     using namespace mechanics::joint_state;
     mechanics::JointMemory memory = joint_memory(mode, joint);
     memory.least_rate =
         0x1p-43 * std::max({std::abs(rate), std::sqrt(acceleration * (joints_[at(joint)].turns ? 1.0 : length)),
                             std::abs(surface_speed(mode, joint, t, x)), mechanics::contact_state::least_speed});
+    memory.least_rate = std::max(memory.least_rate, late_rate);
     memory.least_load = std::max(0x1p-43 * load_size, 1e-280);
     const double pressing = std::hypot(load[0], load[1]);
     signed char now = slides;

@@ -451,16 +451,19 @@ private:
     }
     int first_joint() const { return contacts() + resistances(); }
     mechanics::JointMemory joint_memory(const Mode& mode, int joint) const;
+    /// The state after a short time, by rates that are known.
+    static std::vector<double> moved_on(const Evaluator<double>& rates, std::span<const double> x, double time);
     /// Which rough joints at rest are held and which slide. May find that no motion satisfies the laws. `breaking`:
     /// those that are at their static limit and leave it.
     void settle_joints(const Mode& before, Mode& mode, double t, std::span<double> x, std::vector<int> breaking) const;
     void decide_joints(const Mode& before, Mode& mode, double t, std::span<double> x,
                        const std::vector<int>& breaking) const;
-    /// The state of a joint that slides, and what a mode remembers of it: its rate, the larger of its accelerations
-    /// with and without friction, what presses it, and the size of what that is made of.
+    /// The state of a joint that slides, and what a mode remembers of it: its rate, what the rounding of the time may
+    /// make of it, the larger of its accelerations with and without friction, what presses it, and the size of what
+    /// that is made of.
     signed char sliding_state(Mode& mode, int joint, double t, std::span<const double> x, int sign, bool begins,
-                              double rate, double acceleration, double length, const std::array<double, 2>& load,
-                              double load_size) const;
+                              double rate, double late_rate, double acceleration, double length,
+                              const std::array<double, 2>& load, double load_size) const;
     /// V of a rail's surface in a mode, which knows the side of a jump [m/s].
     double surface_speed(const Mode& mode, int joint, double t, std::span<const double> x) const;
     /// The rate that a joint slides with in a mode that comes from another one; zero where it is that but for rounding.
@@ -492,6 +495,14 @@ private:
     /// from their laws.
     Rubbed tried(const Mode& before, const Mode& mode, double t, std::span<double> x,
                  const std::vector<int>& candidates, const Fired& fired, const std::vector<int>& sign) const;
+    /// A contact that is closed at rest where held joints alone keep its gap, at this place if not at others: the sign
+    /// that the gap takes without its force, and the joints but for which it could change.
+    struct Gap {
+        int contact, sign;
+        std::vector<int> joints;
+    };
+    std::vector<Gap> gaps_beside_held(const Mode& mode, double t, std::span<double> x,
+                                      const std::vector<int>& candidates) const;
     /// The friction in joints and what presses them, by a mode's equations: 5 numbers of each.
     std::vector<double> said_of_joints(const Mode& mode, double t, std::span<const double> x) const;
     /// Impulses of contacts and of joints, from velocities before and those that contacts are thrown back with.

@@ -138,8 +138,8 @@ private:
     mechanics::Square by_, none_, beyond_;
 };
 
-/// How velocities begin: the size of the first acceleration, and the time in which it changes by as much [s].
-inline std::pair<double, double> first_pace(const Mode& mode, double t, std::span<const double> x, int positions) {
+/// The time in which accelerations change by as much as they are [s].
+inline double first_time(const Mode& mode, double t, std::span<const double> x, int positions) {
     constexpr int order = 6;
     const BorrowedSeries borrowed(mode.equations->program, order);
     SeriesEvaluator& series = *borrowed;
@@ -160,7 +160,7 @@ inline std::pair<double, double> first_pace(const Mode& mode, double t, std::spa
     double time = std::numeric_limits<double>::infinity();
     for (int k = 2; k <= order && first > 0.0; ++k)
         if (const double next = size(k); next > 0.0) time = std::min(time, std::pow(first / next, 1.0 / (k - 1)));
-    return {first, time};
+    return time;
 }
 
 }  // namespace breaking_away
@@ -176,8 +176,15 @@ RBDYN_INLINE void TreeModel::curve(const Mode& before, Mode& mode, double t, std
     // what is pulled away keeps its first direction for as long as the time of its start is unknown, and what has no
     // size that would tell what is small for a small part of the time in which its acceleration changes
     if (!pulled.empty() && !mode.equations->program.has_calls()) {
-        const auto [first, time] = breaking_away::first_pace(mode, t, x, tree_->positions());
+        const double time = breaking_away::first_time(mode, t, x, tree_->positions());
+        const mechanics::TreeState state = look(mode, t, x);
         for (const int k : pulled) {
+            const auto touching = conditions_->contacts()[at(k)].touching<double>(*tree_, state.moving);
+            const auto [u, v] = friction::across(touching.normal);
+            const auto along = [&](const Vector3& axis) {
+                return acceleration_along(touching.row(axis, Vector3(Vector3::Zero())), state).first;
+            };
+            const double first = std::hypot(along(u), along(v));
             ContactMemory memory = ContactMemory::of(mode.memory, k);
             if (memory.least <= 0x1p-43 * states::least_speed && std::isfinite(time))
                 memory.least = 0x1p-43 * first * time;
