@@ -143,7 +143,8 @@ RBDYN_INLINE void PathEquilibria::turn_back(Equilibrium& e) const {
 RBDYN_INLINE void PathEquilibria::walk(bool asked) {
     // what begins where one formula goes over to another one is cut there as elsewhere
     const auto cut_at_place = [&](std::size_t before) {
-        if (before == 0 || before == path_.size() || !pieces_.changes_at(place_)) return;
+        if (before == 0 || before == path_.size()) return;
+        if (!pieces_.changes_at(place_, std::min(path_[before - 1].half, path_[before].half))) return;
         path_[before - 1].cut_above = path_[before].cut_below = true;
     };
     const auto keep = [&](const Piece& p) {

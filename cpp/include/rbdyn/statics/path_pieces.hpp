@@ -108,6 +108,8 @@ public:
                 continue;
             }
             if (ends_at_cut) closer = 0;
+            // one at the very end is none on the way
+            ends_at_cut = ends_at_cut || changes_at(next, piece_.half);
             (way > 0.0 ? piece_.cut_below : piece_.cut_above) = cut;
             (way > 0.0 ? piece_.cut_above : piece_.cut_below) = ends_at_cut;
             cut = ends_at_cut;
@@ -127,14 +129,18 @@ public:
     /// A power of two of the parameter over which the forces change about u.
     double natural(double u);
 
-    /// Whether one formula of the forces goes over to another one at u.
-    bool changes_at(double u);
+    /// Whether one formula of the forces goes over to another one at u, at the end of a piece.
+    bool changes_at(double u, double half);
 
 private:
     // halvings of the way to a change of formula: the rest is a hundredth of it
     static constexpr int most_closer = 6;
 
     static double power_of_two(double x);
+    /// As near places of a piece are told apart, in halves of it.
+    static double resolved(double middle, double half) {
+        return 64.0 * std::numeric_limits<double>::epsilon() * std::max(1.0, std::abs(middle) / half);
+    }
     void resolve();
 
     /// The formula that is right at u.

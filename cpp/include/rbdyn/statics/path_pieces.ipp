@@ -79,7 +79,7 @@ RBDYN_INLINE double PathPieces::natural(double u) {
     return unit;
 }
 
-RBDYN_INLINE bool PathPieces::changes_at(double u) {
+RBDYN_INLINE bool PathPieces::changes_at(double u, double half) {
     if (formula_.is_smooth) return false;
     choose(u);
     const auto sides = [&](double place) {
@@ -90,7 +90,7 @@ RBDYN_INLINE bool PathPieces::changes_at(double u) {
         for (int k = 0; k < switches; ++k) above.push_back(values_->switch_value(k) > 0.0);
         return above;
     };
-    const double aside = std::max(8.0 * std::numeric_limits<double>::epsilon() * std::abs(u), 0x1p-1000);
+    const double aside = half * resolved(u, half);
     return sides(u - aside) != sides(u + aside);
 }
 
@@ -111,18 +111,18 @@ RBDYN_INLINE void PathPieces::resolve() {
 
 RBDYN_INLINE void PathPieces::choose(double u) {
     if (formula_.is_smooth) return;
-    if (formula_.guards > 0) {
-        (*values_)(0.0, std::span<const double>(&u, 1));
-        bool is_right = true;
-        for (int k = 0; k < formula_.guards; ++k) is_right = is_right && values_->output(formula_.outputs + k) > 0.0;
-        if (!is_right) {
-            formula_ = forces_.formula(u);
-            resolve();
-        }
-    }
-    statics::set_signs(formula_.program, formula_.parameters, std::span<const double>(&u, 1));
-    series_->set_parameters(formula_.parameters);
+    const std::span<const double> place(&u, 1);
+    // guards say what they do with the signs of the same place
+    statics::set_signs(formula_.program, formula_.parameters, place);
     values_->set_parameters(formula_.parameters);
+    bool is_right = true;
+    if (formula_.guards > 0) (*values_)(0.0, place);
+    for (int k = 0; k < formula_.guards; ++k) is_right = is_right && values_->output(formula_.outputs + k) > 0.0;
+    if (!is_right) {
+        formula_ = forces_.formula(u);
+        resolve();
+    }
+    series_->set_parameters(formula_.parameters);
     sizes_->set_parameters(formula_.parameters);
 }
 
@@ -199,8 +199,7 @@ RBDYN_INLINE bool PathPieces::expand(double middle, double half) {
 
 RBDYN_INLINE double PathPieces::first_change(double way) const {
     double first = 1.0;
-    const double resolved =
-        64.0 * std::numeric_limits<double>::epsilon() * std::max(1.0, std::abs(piece_.middle) / piece_.half);
+    const double resolved = PathPieces::resolved(piece_.middle, piece_.half);
     for (int j = formula_.outputs; j < formula_.outputs + guards(); ++j) {
         const double* c = series_->output(j);
         for (const double x : statics::roots_about_middle(c, statics::order))
