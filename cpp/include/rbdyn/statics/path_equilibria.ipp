@@ -210,7 +210,9 @@ RBDYN_INLINE std::vector<double> PathEquilibria::zeros_of(const Piece& p) {
 }
 
 RBDYN_INLINE void PathEquilibria::refine(const Piece& p, int depth, std::vector<Piece>& path) {
-    const auto is_small = [&](double x) { return forces_.effort(p.place(x)) < 0x1p-6 * p.effort; };
+    const auto is_small = [&](double x) {
+        return !cut_end(p, x, at_end) && forces_.effort(p.place(x)) < 0x1p-6 * p.effort;
+    };
     if (depth >= most_halvings || !std::ranges::any_of(zeros_of(p), is_small)) {
         path.push_back(p);
         return;
@@ -346,26 +348,37 @@ RBDYN_INLINE void PathEquilibria::judge(const Stretch& stretch) {
     if (is_pushed(stretch.from + 0.5 * (stretch.to - stretch.from))) hidden_.emplace_back(stretch.from, stretch.to);
 }
 
+RBDYN_INLINE std::optional<double> PathEquilibria::cut_end(const Piece& piece, double x, double near) {
+    if (piece.cut_below && std::abs(x + 1.0) <= near) return piece.begin();
+    if (piece.cut_above && std::abs(x - 1.0) <= near) return piece.end();
+    return std::nullopt;
+}
+
 RBDYN_INLINE void PathEquilibria::add(const Piece& piece, double x) {
-    for (const double end : {-1.0, 1.0}) {
-        const bool is_cut = end < 0.0 ? piece.cut_below : piece.cut_above;
-        if (is_cut && std::abs(x - end) <= 1e-9) return add_corner(piece.place(end), piece.half);
-    }
-    add_near(piece.place(x), piece.half);
+    if (const auto end = cut_end(piece, x, at_end)) return add_corner(*end, piece.half);
+    const auto zero = statics::PathZeros(pieces_).near(piece.place(x), piece.half);
+    if (!zero) return;
+    // of a zero of higher order beside a corner rounding leaves several
+    const double near = std::max(at_end, zero->radius / piece.half);
+    if (const auto end = cut_end(piece, (zero->place - piece.middle) / piece.half, near))
+        return add_corner(*end, piece.half);
+    add_zero(*zero, piece.place(x), piece.half);
 }
 
 RBDYN_INLINE void PathEquilibria::add_near(double u, double half) {
+    if (const auto zero = statics::PathZeros(pieces_).near(u, half)) add_zero(*zero, u, half);
+}
+
+RBDYN_INLINE void PathEquilibria::add_zero(const statics::PathZero& zero, double u, double half) {
     Point point{u, half};
-    const auto zero = statics::PathZeros(pieces_).near(u, half);
-    if (!zero) return;
-    point.u = zero->place;
-    point.order = zero->order;
-    point.radius = zero->radius;
-    if (zero->order > 0) {
-        point.after = zero->lead < 0.0 ? -1 : 1;
-        point.before = zero->order % 2 == 0 ? point.after : -point.after;
+    point.u = zero.place;
+    point.order = zero.order;
+    point.radius = zero.radius;
+    if (zero.order > 0) {
+        point.after = zero.lead < 0.0 ? -1 : 1;
+        point.before = zero.order % 2 == 0 ? point.after : -point.after;
     }
-    if (zero->order == 1) point.slope = zero->lead / half;
+    if (zero.order == 1) point.slope = zero.lead / half;
     // an end of the rail, within rounding
     for (const double end : {low_, high_})
         if (std::isfinite(end) && std::abs(point.u - end) <= 8.0 * epsilon * std::max(std::abs(end), half))
@@ -375,7 +388,7 @@ RBDYN_INLINE void PathEquilibria::add_near(double u, double half) {
     const auto speed = [&](double place) { return forces_.speed(place); };
     const double aside = 0x1p-6 * half;
     if (speed(point.u) <= 0.1 * std::min(speed(point.u - aside), speed(point.u + aside))) return;
-    point.stable = zero->is_stable();
+    point.stable = zero.is_stable();
     point.pushed = is_pushed(point.u);
     points_.push_back(point);
 }
@@ -392,13 +405,16 @@ RBDYN_INLINE void PathEquilibria::add_jump(const Piece& before, const Piece& aft
         return place >= low_ && place <= high_ && std::abs(value) > 1.1 * std::abs(forces_.along_path(place));
     };
     if (gap > 0.0 && !adjoin(before.end(), after) && (grows_to(from, u - aside) || grows_to(to, u + aside))) return;
-    points_.push_back({u, after.half, from > 0.0, is_pushed(u)});
+    Point point{u, after.half, from > 0.0, is_pushed(u)};
+    point.order = corner;
+    points_.push_back(point);
 }
 
 RBDYN_INLINE void PathEquilibria::add_corner(double u, double half) {
     const double step = 1e-6 * half;
     const double before = forces_.along_path(u - step), after = forces_.along_path(u + step);
     Point point{u, half, before > 0.0 && after < 0.0, is_pushed(u)};
+    point.order = corner;
     // no corner after all: the same slope on both sides
     const double left = -before / step, right = after / step;
     if (std::abs(left - right) <= 1e-4 * (std::abs(left) + std::abs(right))) {
@@ -520,7 +536,7 @@ RBDYN_INLINE Equilibrium PathEquilibria::resting(const Interval& i, bool stable)
     else if (!(place_ >= i.first && place_ <= i.second))
         middle = std::isfinite(i.first) ? i.first : i.second;
     double best = std::numeric_limits<double>::infinity(), at = middle;
-    for (const Point& p : points_) {
+    for (const Point& p : forces_.rough() ? points_ : std::vector<Point>{}) {
         const double u = shifted(i, p.u);
         if (u < i.first || u > i.second || !(std::abs(u - middle) < best)) continue;
         best = std::abs(u - middle);

@@ -137,6 +137,9 @@ private:
     static constexpr int most_closer = 6;
 
     static double power_of_two(double x);
+    /// The least unit in which a power that is rounding beside the largest one, though more than that of its own terms,
+    /// is as large as that; 0 if there is none.
+    double hidden();
     /// As near places of a piece are told apart, in halves of it.
     static double resolved(double middle, double half) {
         return 64.0 * std::numeric_limits<double>::epsilon() * std::max(1.0, std::abs(middle) / half);

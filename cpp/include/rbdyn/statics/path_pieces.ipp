@@ -72,11 +72,29 @@ RBDYN_INLINE double PathPieces::natural(double u) {
             continue;
         }
         double scale = std::isfinite(stretch_) ? stretch_ : ratio_;
+        if (scale > 0.0 && !std::isfinite(scale)) scale = hidden();
         if (!(scale > 0.0) || !std::isfinite(scale)) return unit;
         if (scale > 1.0 / 64.0 && scale < 64.0) return unit * power_of_two(scale);
         unit *= power_of_two(std::clamp(scale, 0x1p-24, 0x1p24));
     }
     return unit;
+}
+
+RBDYN_INLINE double PathPieces::hidden() {
+    (*sizes_)(*series_);
+    double other = 0.0;
+    for (int j = 0; j < formula_.outputs + guards(); ++j) {
+        const double *c = series_->output(j), *size = sizes_->output(j);
+        int most = 0;
+        for (int k = 1; k <= statics::order; ++k)
+            if (std::abs(c[k]) > std::abs(c[most])) most = k;
+        for (int k = 0; k <= statics::order; ++k) {
+            if (k == most || !(std::abs(c[k]) > 64.0 * std::numeric_limits<double>::epsilon() * size[k])) continue;
+            const double scale = std::pow(std::abs(c[k] / c[most]), 1.0 / (most - k));
+            if (other == 0.0 || scale < other) other = scale;
+        }
+    }
+    return other;
 }
 
 RBDYN_INLINE bool PathPieces::changes_at(double u, double half) {
