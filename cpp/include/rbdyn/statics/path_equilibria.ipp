@@ -153,7 +153,12 @@ RBDYN_INLINE void PathEquilibria::walk(bool asked) {
         return !(p.endless && is_same_all_along(p));
     };
     if (std::isfinite(low_) && std::isfinite(high_)) {
-        if (pieces_.march(low_, high_, most_pieces, keep)) return;
+        if (pieces_.march(low_, high_, most_pieces, keep)) {
+            // the seam of one round is a place as others
+            if (round_ > 0.0 && pieces_.changes_at(low_, std::min(path_.front().half, path_.back().half)))
+                path_.front().cut_below = path_.back().cut_above = true;
+            return;
+        }
         if (!asked)
             throw InvalidInput(
                 "equilibria: from " + forces_.coordinate() + " " + text(low_) + " to " + text(high_) +
@@ -175,11 +180,12 @@ RBDYN_INLINE void PathEquilibria::walk(bool asked) {
         high_ = path_.back().end();
         return;
     }
-    pieces_.march(place_, low_, most_stretches, keep);
+    const int most = most_stretches + pieces_.doublings(place_);
+    pieces_.march(place_, low_, most, keep);
     std::reverse(path_.begin(), path_.end());
     if (path_.size() == 1 && path_[0].endless && is_same_all_along(path_[0])) return;
     const std::size_t below = path_.size();
-    pieces_.march(place_, high_, most_stretches, [&](const Piece& p) {
+    pieces_.march(place_, high_, most, [&](const Piece& p) {
         path_.push_back(p);
         return true;
     });
@@ -265,6 +271,11 @@ RBDYN_INLINE void PathEquilibria::find_points() {
         const bool meets = !p.cut_below && !path_[i - 1].cut_above && adjoin(path_[i - 1].end(), p);
         if (meets && !(before < 0.0 && after < 0.0) && !(before > 0.0 && after > 0.0))
             add_near(p.begin(), std::min(p.half, path_[i - 1].half));
+    }
+    if (round_ > 0.0 && !path_.empty()) {
+        Piece first = path_.front();
+        first.middle += round_;
+        add_jump(path_.back(), first);
     }
     // pieces that grow ever shorter towards a zero do not reach it
     if (!path_.empty() && !std::isfinite(low_)) add_near(path_.front().begin(), 32.0 * path_.front().half);

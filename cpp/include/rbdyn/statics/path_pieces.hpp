@@ -129,6 +129,10 @@ public:
     /// A power of two of the parameter over which the forces change about u.
     double natural(double u);
 
+    /// Of forces that are polynomials there: how many times that length is to be doubled to the widest over which they
+    /// change. Beside a zero or a border it is no longer than the way there.
+    int doublings(double u);
+
     /// Whether one formula of the forces goes over to another one at u, at the end of a piece.
     bool changes_at(double u, double half);
 

@@ -80,6 +80,24 @@ RBDYN_INLINE double PathPieces::natural(double u) {
     return unit;
 }
 
+RBDYN_INLINE int PathPieces::doublings(double u) {
+    const double unit = natural(u);
+    expand(u, unit);
+    if (!piece_.polynomial) return 0;
+    (*sizes_)(*series_);
+    double widest = std::abs(u) / unit;
+    for (int j = 0; j < formula_.outputs + guards(); ++j) {
+        const double *c = series_->output(j), *size = sizes_->output(j);
+        int last = -1;
+        for (int k = 0; k <= statics::order; ++k) {
+            if (!(std::abs(c[k]) > 64.0 * std::numeric_limits<double>::epsilon() * size[k])) continue;
+            if (last >= 0) widest = std::max(widest, std::pow(std::abs(c[last] / c[k]), 1.0 / (k - last)));
+            last = k;
+        }
+    }
+    return widest > 1.0 && std::isfinite(widest) ? static_cast<int>(std::ceil(std::log2(widest))) : 0;
+}
+
 RBDYN_INLINE double PathPieces::hidden() {
     (*sizes_)(*series_);
     double other = 0.0;
