@@ -219,7 +219,8 @@ RBDYN_INLINE void PathEquilibria::refine(const Piece& p, int depth, std::vector<
     const auto is_small = [&](double x) {
         return !cut_end(p, x, at_end) && forces_.effort(p.place(x)) < 0x1p-6 * p.effort;
     };
-    if (depth >= most_halvings || !std::ranges::any_of(zeros_of(p), is_small)) {
+    const bool is_flat = p.bound() <= p.noise();
+    if (depth >= most_halvings || is_flat || !std::ranges::any_of(zeros_of(p), is_small)) {
         path.push_back(p);
         return;
     }

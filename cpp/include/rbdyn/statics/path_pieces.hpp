@@ -66,7 +66,9 @@ public:
     template <class Visit>
     bool march(double from, double to, int most, Visit&& visit) {
         const double way = to > from ? 1.0 : -1.0;
-        double half = 0.5 * std::min(std::abs(to - from), 2.0 * natural(from));
+        // beside a zero or a border one that is resolved all the same
+        constexpr double shortest = 0x1p-30;
+        double half = std::min(0.5 * std::abs(to - from), std::max(natural(from), shortest * std::abs(from)));
         bool cut = false;
         int closer = 0;
         for (int count = 0; count < most && from != to; ++count) {

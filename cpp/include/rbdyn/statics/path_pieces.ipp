@@ -219,8 +219,9 @@ RBDYN_INLINE bool PathPieces::expand(double middle, double half) {
     piece_.polynomial = std::isinf(stretch_);
     piece_.endless = piece_.polynomial && guards() == 0;
     holds_ = stretch_ >= 1.0;
-    // what the middle does not know of shows at the ends
-    for (const double x : {-1.0, 1.0}) {
+    // what the middle does not know of shows at the ends, where another formula may begin
+    constexpr double inside = 1.0 - 0x1p-20;
+    for (const double x : {-inside, inside}) {
         if (!holds_) break;
         const double u = middle + half * x;
         const double e = forces_.effort(u);
