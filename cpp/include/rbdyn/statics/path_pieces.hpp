@@ -163,6 +163,9 @@ private:
     /// Makes the piece about a middle; whether its series holds.
     bool expand(double middle, double half);
 
+    /// What rounding makes of Q on the piece: of a difference of terms more than of what is left of it.
+    double rounding();
+
     /// Where on the way through the piece a case distinction changes first, x in (-1, 1]; 1 if none does.
     double first_change(double way) const;
 

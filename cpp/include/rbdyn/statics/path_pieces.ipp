@@ -61,6 +61,12 @@ RBDYN_INLINE std::array<double, statics::order + 1> PathPieces::sizes() {
     return result;
 }
 
+RBDYN_INLINE double PathPieces::rounding() {
+    double sum = 0.0;
+    for (const double size : sizes()) sum += size;
+    return 64.0 * std::numeric_limits<double>::epsilon() * sum;
+}
+
 RBDYN_INLINE double PathPieces::natural(double u) {
     double unit = 1.0;
     if (u != 0.0) unit = power_of_two(std::abs(u));
@@ -228,8 +234,8 @@ RBDYN_INLINE bool PathPieces::expand(double middle, double half) {
         piece_.effort = std::max(piece_.effort, e);
         (*values_)(0.0, std::span<const double>(&u, 1));
         if (!std::isfinite(e)) continue;  // a formula that ends here
-        holds_ =
-            std::abs(values_->output(PathForces::along) - piece_.value(PathForces::along, x)) <= 1e-11 * piece_.effort;
+        const double off = std::abs(values_->output(PathForces::along) - piece_.value(PathForces::along, x));
+        holds_ = off <= 1e-11 * piece_.effort || off <= rounding();
     }
     return holds_;
 }
