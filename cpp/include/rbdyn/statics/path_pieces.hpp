@@ -67,7 +67,7 @@ public:
     bool march(double from, double to, int most, Visit&& visit) {
         const double way = to > from ? 1.0 : -1.0;
         // beside a zero or a border one that is resolved all the same
-        constexpr double shortest = 0x1p-30;
+        constexpr double shortest = 0x1p-12;
         double half = std::min(0.5 * std::abs(to - from), std::max(natural(from), shortest * std::abs(from)));
         bool cut = false;
         int closer = 0;
