@@ -182,3 +182,43 @@ def test_a_jump_at_the_seam_of_a_turn_is_one(start):
 def test_from_beside_a_rest_the_others_are_found(start):
     """32 stretches from beside a zero are as long as those from elsewhere."""
     same(on_slide(lambda x: x - x**3, start), [(-1, True, None), (0, False, None), (1, True, None)])
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_products_of_roots_rest_where_these_are(seed):
+    """Roots up to threefold and the signs between them are known; searches begin at one, beside it, and elsewhere."""
+    rng = np.random.default_rng(seed)
+    count = rng.integers(1, 6)
+    roots = np.arange(count) - rng.uniform(0, 4) + rng.uniform(-0.4, 0.4, count)
+    orders = rng.integers(1, 4, count)
+    sign, unit = rng.choice([-1, 1]), 10.0 ** rng.integers(-9, 10)
+
+    def force(x):
+        result = sign
+        for root in np.repeat(roots, orders):
+            result = result * (x - root)
+        return result
+
+    expected = []
+    for i, (root, order) in enumerate(zip(roots, orders, strict=True)):
+        above = sign * (-1) ** orders[i + 1 :].sum()
+        expected.append((root, bool(order % 2 == 1 and above < 0), None))
+    beside = roots[0] + 10 ** rng.uniform(-14, -2, 4) * [1, -1, 1, -1]
+    for start in (roots[0], roots[-1], rng.uniform(-4, 4), 0.0, *beside):
+        same(on_slide(force, start, unit), expected)
+
+
+def test_a_search_of_two_coordinates_that_begins_on_a_border_is_one_of_the_scene():
+    """A band of rests is met in every unit: what a border at the start bends at once is no length of the scene."""
+    for unit in (1.0, *UNITS):
+        scene = rb.Scene()
+        body = scene.add(rb.Particle(1.0), position=[0.5 * unit, 0.4 * unit, 0.0])
+
+        def force(t, r, v, unit=unit):
+            x = r[0] / unit
+            return [np.where(abs(x - 0.3) < 0.2, 0 * x, 0.3 - x), -2 * r[1] / unit, -r[2] / unit]
+
+        scene.apply(rb.Force(force), body)
+        (found,) = rb.equilibria(scene, near=[0.7 * unit, 0.3 * unit, 0.0])
+        x, y, _ = np.divide(found.coordinates, unit)
+        assert 0.1 - 1e-9 <= x <= 0.5 + 1e-9 and abs(y) < 1e-9 and not found.stable
