@@ -83,10 +83,14 @@ public:
                 half = reach;
             }
             if (reach <= least && !holds_) {
-                if (!is_finite_)
-                    throw InvalidInput(forces_.name() + ": at " + forces_.coordinate() + " " + text(piece_.middle) +
-                                       " " + forces_.not_finite(piece_.middle) +
+                if (!is_finite_) {
+                    const double beside = piece_.middle;
+                    expand(from, reach);
+                    const double place = is_finite_ ? beside : from;
+                    throw InvalidInput(forces_.name() + ": at " + forces_.coordinate() + " " + text(place) + " " +
+                                       forces_.not_finite(place) +
                                        " is not finite; it must be wherever the body can come");
+                }
                 from += way * std::max(2.0 * reach, 4.0 * least);
                 if (std::isfinite(to) && way * (to - from) <= 0.0) return true;
                 cut = true;
