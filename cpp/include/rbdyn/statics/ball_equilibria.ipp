@@ -12,6 +12,7 @@
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/rotation/quaternion.hpp"
 #include "rbdyn/statics/equilibrium.hpp"
+#include "rbdyn/statics/judged_rest.hpp"
 #include "rbdyn/statics/search.hpp"
 #include "rbdyn/statics/tree_forces.hpp"
 

@@ -20,6 +20,7 @@
 #include "rbdyn/statics/ball_equilibria.hpp"
 #include "rbdyn/statics/equilibrium.hpp"
 #include "rbdyn/statics/forces.hpp"
+#include "rbdyn/statics/judged_rest.hpp"
 #include "rbdyn/statics/nearest_rest.hpp"
 #include "rbdyn/statics/path_equilibria.hpp"
 #include "rbdyn/statics/path_forces.hpp"

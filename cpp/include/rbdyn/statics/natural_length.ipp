@@ -56,16 +56,24 @@ RBDYN_INLINE double bend(TreeForces& forces, const TreeForces::Wide& place, cons
         }
         return most >= 0.5 * s * rate;
     };
-    // large strides, then powers of two; below the first 32 digits do not tell the places apart
+    // large strides, powers of two, then halves between them, so that no unit shows; below the first 32 digits do not
+    // tell the places apart
     constexpr double stride = 0x1p20, longest = 1e280;
     double low = std::max({noise / rate, 1e-280 / rate, 1e-280});
     for (const DoubleDouble& x : place) low = std::max(low, 0x1p-90 * std::abs(x.hi) / farthest);
     low = std::exp2(std::ceil(std::log2(low)));
     for (double s = low; s < longest && s * rate < longest; s *= stride) {
         if (!is_bent(s)) continue;
-        for (double t = std::max(low, s / stride); t < s; t *= 2.0)
-            if (is_bent(t)) return t;
-        return s;
+        double bent = s;
+        for (double t = std::max(low, s / stride); t < bent; t *= 2.0)
+            if (is_bent(t)) bent = t;
+        double straight = 0.5 * bent;
+        constexpr int halvings = 20;
+        for (int i = 0; i < halvings && bent > low; ++i) {
+            const double between = straight + 0.5 * (bent - straight);
+            (is_bent(between) ? bent : straight) = between;
+        }
+        return bent;
     }
     return none;
 }

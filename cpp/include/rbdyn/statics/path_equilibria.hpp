@@ -22,6 +22,7 @@
 
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -30,6 +31,7 @@
 #include "rbdyn/statics/equilibrium.hpp"
 #include "rbdyn/statics/path_forces.hpp"
 #include "rbdyn/statics/path_pieces.hpp"
+#include "rbdyn/statics/path_zero.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
@@ -52,10 +54,12 @@ private:
         double u = 0.0, half = 0.0;
         bool stable = false, pushed = true;
         double slope = 0.0;         // dQ/du of a simple zero
-        int order = 1;              // 0: not decided
+        int order = 1;              // 0: not decided; of a corner: corner
         double radius = 0.0;        // within which rounding leaves it
         int before = 0, after = 0;  // signs of Q beside it, if known
     };
+    // what a corner does the forces on both sides say, not a series of one of them: it counts before zeros of any order
+    static constexpr int corner = statics::order + 1;
     /// Where Q is rounding, at several places one after the other; the signs of Q where it goes on smoothly.
     struct Stretch {
         double from = 0.0, to = 0.0;
@@ -99,10 +103,13 @@ private:
     /// Keeps the zeros of a stretch if they and the signs beside it agree; else all of it is one that is not decided.
     void judge(const Stretch& stretch);
 
+    /// The end of a piece where the formula changes that is the place x, if it is one.
+    static std::optional<double> cut_end(const Piece& piece, double x, double near);
     /// Takes a zero found on a piece, to rounding.
     void add(const Piece& piece, double x);
     /// Takes a zero near u, looked at in units of `half`, if there is one.
     void add_near(double u, double half);
+    void add_zero(const statics::PathZero& zero, double u, double half);
     /// A jump across zero between two pieces: where the formula changes, or where there is no series in between.
     void add_jump(const Piece& before, const Piece& after);
     /// A zero where the formula of the force changes.
@@ -127,9 +134,12 @@ private:
     double shifted(const Interval& i, double u) const;
     bool inside(const std::vector<Interval>& intervals, double u) const;
 
-    /// The equilibria of an interval as one: at the zero of Q nearest its middle if there is one.
+    /// The equilibria of an interval as one: its middle; of one that friction holds the zero of Q nearest to it, if
+    /// there is one.
     Equilibrium resting(const Interval& i, bool stable) const;
 
+    // parts of a piece within which a zero is at its end
+    static constexpr double at_end = 1e-9;
     // some seconds; each way about a place asked for, if there are more; and each way on a path without end
     static constexpr int most_pieces = 40000, most_about = 2000, most_stretches = 32;
     // a zero where the forces vanish too is closed in on so far, which leaves its piece longer than rounding of u

@@ -262,16 +262,15 @@ RBDYN_INLINE PathForces::Values::Values(const PathForces& forces) : forces_(&for
 
 RBDYN_INLINE void PathForces::Values::choose(double u) {
     const std::span<const double> place(&u, 1);
-    bool is_right = true;
-    if (own_.guards > 0) {
-        (*quick_)(0.0, place);
-        for (int k = 0; k < own_.guards; ++k) is_right = is_right && quick_->output(own_.outputs + k) > 0.0;
-    }
-    if (!is_right) {
-        own_ = forces_->formula(u);
-        quick_.emplace(own_.program);
-    }
+    // guards say what they do with the signs of the same place
     statics::set_signs(own_.program, own_.parameters, place);
+    quick_->set_parameters(own_.parameters);
+    bool is_right = true;
+    if (own_.guards > 0) (*quick_)(0.0, place);
+    for (int k = 0; k < own_.guards; ++k) is_right = is_right && quick_->output(own_.outputs + k) > 0.0;
+    if (is_right) return;
+    own_ = forces_->formula(u);
+    quick_.emplace(own_.program);
     quick_->set_parameters(own_.parameters);
 }
 

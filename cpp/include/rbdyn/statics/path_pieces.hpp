@@ -66,7 +66,9 @@ public:
     template <class Visit>
     bool march(double from, double to, int most, Visit&& visit) {
         const double way = to > from ? 1.0 : -1.0;
-        double half = 0.5 * std::min(std::abs(to - from), 2.0 * natural(from));
+        // beside a zero or a border one that is resolved all the same
+        constexpr double shortest = 0x1p-12;
+        double half = std::min(0.5 * std::abs(to - from), std::max(natural(from), shortest * std::abs(from)));
         bool cut = false;
         int closer = 0;
         for (int count = 0; count < most && from != to; ++count) {
@@ -81,10 +83,14 @@ public:
                 half = reach;
             }
             if (reach <= least && !holds_) {
-                if (!is_finite_)
-                    throw InvalidInput(forces_.name() + ": at " + forces_.coordinate() + " " + text(piece_.middle) +
-                                       " " + forces_.not_finite(piece_.middle) +
+                if (!is_finite_) {
+                    const double beside = piece_.middle;
+                    expand(from, reach);
+                    const double place = is_finite_ ? beside : from;
+                    throw InvalidInput(forces_.name() + ": at " + forces_.coordinate() + " " + text(place) + " " +
+                                       forces_.not_finite(place) +
                                        " is not finite; it must be wherever the body can come");
+                }
                 from += way * std::max(2.0 * reach, 4.0 * least);
                 if (std::isfinite(to) && way * (to - from) <= 0.0) return true;
                 cut = true;
@@ -108,6 +114,8 @@ public:
                 continue;
             }
             if (ends_at_cut) closer = 0;
+            // one at the very end is none on the way
+            ends_at_cut = ends_at_cut || changes_at(next, piece_.half);
             (way > 0.0 ? piece_.cut_below : piece_.cut_above) = cut;
             (way > 0.0 ? piece_.cut_above : piece_.cut_below) = ends_at_cut;
             cut = ends_at_cut;
@@ -127,14 +135,25 @@ public:
     /// A power of two of the parameter over which the forces change about u.
     double natural(double u);
 
-    /// Whether one formula of the forces goes over to another one at u.
-    bool changes_at(double u);
+    /// Of forces that are polynomials there: how many times that length is to be doubled to the widest over which they
+    /// change. Beside a zero or a border it is no longer than the way there.
+    int doublings(double u);
+
+    /// Whether one formula of the forces goes over to another one at u, at the end of a piece.
+    bool changes_at(double u, double half);
 
 private:
     // halvings of the way to a change of formula: the rest is a hundredth of it
     static constexpr int most_closer = 6;
 
     static double power_of_two(double x);
+    /// The least unit in which a power that is rounding beside the largest one, though more than that of its own terms,
+    /// is as large as that; 0 if there is none.
+    double hidden();
+    /// As near places of a piece are told apart, in halves of it.
+    static double resolved(double middle, double half) {
+        return 64.0 * std::numeric_limits<double>::epsilon() * std::max(1.0, std::abs(middle) / half);
+    }
     void resolve();
 
     /// The formula that is right at u.
@@ -147,6 +166,9 @@ private:
 
     /// Makes the piece about a middle; whether its series holds.
     bool expand(double middle, double half);
+
+    /// What rounding makes of Q on the piece: of a difference of terms more than of what is left of it.
+    double rounding();
 
     /// Where on the way through the piece a case distinction changes first, x in (-1, 1]; 1 if none does.
     double first_change(double way) const;

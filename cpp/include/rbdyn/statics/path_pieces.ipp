@@ -61,6 +61,12 @@ RBDYN_INLINE std::array<double, statics::order + 1> PathPieces::sizes() {
     return result;
 }
 
+RBDYN_INLINE double PathPieces::rounding() {
+    double sum = 0.0;
+    for (const double size : sizes()) sum += size;
+    return 64.0 * std::numeric_limits<double>::epsilon() * sum;
+}
+
 RBDYN_INLINE double PathPieces::natural(double u) {
     double unit = 1.0;
     if (u != 0.0) unit = power_of_two(std::abs(u));
@@ -72,6 +78,7 @@ RBDYN_INLINE double PathPieces::natural(double u) {
             continue;
         }
         double scale = std::isfinite(stretch_) ? stretch_ : ratio_;
+        if (scale > 0.0 && !std::isfinite(scale)) scale = hidden();
         if (!(scale > 0.0) || !std::isfinite(scale)) return unit;
         if (scale > 1.0 / 64.0 && scale < 64.0) return unit * power_of_two(scale);
         unit *= power_of_two(std::clamp(scale, 0x1p-24, 0x1p24));
@@ -79,7 +86,42 @@ RBDYN_INLINE double PathPieces::natural(double u) {
     return unit;
 }
 
-RBDYN_INLINE bool PathPieces::changes_at(double u) {
+RBDYN_INLINE int PathPieces::doublings(double u) {
+    const double unit = natural(u);
+    expand(u, unit);
+    if (!piece_.polynomial) return 0;
+    (*sizes_)(*series_);
+    double widest = std::abs(u) / unit;
+    for (int j = 0; j < formula_.outputs + guards(); ++j) {
+        const double *c = series_->output(j), *size = sizes_->output(j);
+        int last = -1;
+        for (int k = 0; k <= statics::order; ++k) {
+            if (!(std::abs(c[k]) > 64.0 * std::numeric_limits<double>::epsilon() * size[k])) continue;
+            if (last >= 0) widest = std::max(widest, std::pow(std::abs(c[last] / c[k]), 1.0 / (k - last)));
+            last = k;
+        }
+    }
+    return widest > 1.0 && std::isfinite(widest) ? static_cast<int>(std::ceil(std::log2(widest))) : 0;
+}
+
+RBDYN_INLINE double PathPieces::hidden() {
+    (*sizes_)(*series_);
+    double other = 0.0;
+    for (int j = 0; j < formula_.outputs + guards(); ++j) {
+        const double *c = series_->output(j), *size = sizes_->output(j);
+        int most = 0;
+        for (int k = 1; k <= statics::order; ++k)
+            if (std::abs(c[k]) > std::abs(c[most])) most = k;
+        for (int k = 0; k <= statics::order; ++k) {
+            if (k == most || !(std::abs(c[k]) > 64.0 * std::numeric_limits<double>::epsilon() * size[k])) continue;
+            const double scale = std::pow(std::abs(c[k] / c[most]), 1.0 / (most - k));
+            if (other == 0.0 || scale < other) other = scale;
+        }
+    }
+    return other;
+}
+
+RBDYN_INLINE bool PathPieces::changes_at(double u, double half) {
     if (formula_.is_smooth) return false;
     choose(u);
     const auto sides = [&](double place) {
@@ -90,7 +132,7 @@ RBDYN_INLINE bool PathPieces::changes_at(double u) {
         for (int k = 0; k < switches; ++k) above.push_back(values_->switch_value(k) > 0.0);
         return above;
     };
-    const double aside = std::max(8.0 * std::numeric_limits<double>::epsilon() * std::abs(u), 0x1p-1000);
+    const double aside = half * resolved(u, half);
     return sides(u - aside) != sides(u + aside);
 }
 
@@ -111,18 +153,18 @@ RBDYN_INLINE void PathPieces::resolve() {
 
 RBDYN_INLINE void PathPieces::choose(double u) {
     if (formula_.is_smooth) return;
-    if (formula_.guards > 0) {
-        (*values_)(0.0, std::span<const double>(&u, 1));
-        bool is_right = true;
-        for (int k = 0; k < formula_.guards; ++k) is_right = is_right && values_->output(formula_.outputs + k) > 0.0;
-        if (!is_right) {
-            formula_ = forces_.formula(u);
-            resolve();
-        }
-    }
-    statics::set_signs(formula_.program, formula_.parameters, std::span<const double>(&u, 1));
-    series_->set_parameters(formula_.parameters);
+    const std::span<const double> place(&u, 1);
+    // guards say what they do with the signs of the same place
+    statics::set_signs(formula_.program, formula_.parameters, place);
     values_->set_parameters(formula_.parameters);
+    bool is_right = true;
+    if (formula_.guards > 0) (*values_)(0.0, place);
+    for (int k = 0; k < formula_.guards; ++k) is_right = is_right && values_->output(formula_.outputs + k) > 0.0;
+    if (!is_right) {
+        formula_ = forces_.formula(u);
+        resolve();
+    }
+    series_->set_parameters(formula_.parameters);
     sizes_->set_parameters(formula_.parameters);
 }
 
@@ -183,24 +225,24 @@ RBDYN_INLINE bool PathPieces::expand(double middle, double half) {
     piece_.polynomial = std::isinf(stretch_);
     piece_.endless = piece_.polynomial && guards() == 0;
     holds_ = stretch_ >= 1.0;
-    // what the middle does not know of shows at the ends
-    for (const double x : {-1.0, 1.0}) {
+    // what the middle does not know of shows at the ends, where another formula may begin
+    constexpr double inside = 1.0 - 0x1p-20;
+    for (const double x : {-inside, inside}) {
         if (!holds_) break;
         const double u = middle + half * x;
         const double e = forces_.effort(u);
         piece_.effort = std::max(piece_.effort, e);
         (*values_)(0.0, std::span<const double>(&u, 1));
         if (!std::isfinite(e)) continue;  // a formula that ends here
-        holds_ =
-            std::abs(values_->output(PathForces::along) - piece_.value(PathForces::along, x)) <= 1e-11 * piece_.effort;
+        const double off = std::abs(values_->output(PathForces::along) - piece_.value(PathForces::along, x));
+        holds_ = off <= 1e-11 * piece_.effort || off <= rounding();
     }
     return holds_;
 }
 
 RBDYN_INLINE double PathPieces::first_change(double way) const {
     double first = 1.0;
-    const double resolved =
-        64.0 * std::numeric_limits<double>::epsilon() * std::max(1.0, std::abs(piece_.middle) / piece_.half);
+    const double resolved = PathPieces::resolved(piece_.middle, piece_.half);
     for (int j = formula_.outputs; j < formula_.outputs + guards(); ++j) {
         const double* c = series_->output(j);
         for (const double x : statics::roots_about_middle(c, statics::order))

@@ -30,6 +30,9 @@ RBDYN_INLINE SmallMotion small_motion(const TreeForces& forces) {
 
 namespace pinning {
 
+/// A leap to a zero of higher order that is nothing, beside those before and beside the scene.
+inline constexpr double last_leap = 0x1p-60;
+
 /// p of (1 - 1/p)^p = what a step leaves of the force; none where it is no such power.
 inline std::optional<double> order(double left) {
     // of 1.1 and of 50
@@ -99,14 +102,28 @@ RBDYN_INLINE bool is_zero(TreeForces& forces, const TreeForces::Wide& place) {
     const std::vector<double> sizes = forces.force_sizes(place);
     // of one term that vanishes to higher order there is all left of it, which is nothing beside other forces
     constexpr double nothing = 0x1p-96;
-    const std::vector<double> metric = forces.at_rest(forces.nearest(place)).metric;
+    const Forces::State s = forces.at_rest(forces.nearest(place));
+    const std::vector<double>&metric = s.metric, &known = s.size;
     double most = 0.0;
     for (std::size_t i = 0; i < f.size(); ++i) most = std::max(most, sizes[i] / std::sqrt(metric[i]));
+    std::vector<bool> left(f.size());
     for (std::size_t i = 0; i < f.size(); ++i) {
         const double rounding = std::max(some * sizes[i], nothing * most * std::sqrt(metric[i]));
-        if (!(std::abs(f[i].hi) <= rounding) || !std::isfinite(rounding)) return false;
+        left[i] = !(std::abs(f[i].hi) <= rounding);
+        if (!std::isfinite(f[i].hi) || !std::isfinite(rounding)) return false;
     }
-    return true;
+    // sizes may vanish in doubles, beside a zero of higher order that is none of theirs: as far as leaps end before it
+    for (std::size_t k = 0; k < known.size() && std::ranges::count(left, true) > 0; ++k)
+        for (const double part : {pinning::last_leap, -pinning::last_leap}) {
+            std::vector<double> step(known.size());
+            step[k] = part * known[k];
+            const TreeForces::Wide there = forces.stepped(place, step);
+            if (there.empty()) continue;
+            const TreeForces::Wide beside = forces.force_at(there);
+            for (std::size_t i = 0; i < f.size(); ++i)
+                if (std::abs(f[i].hi) <= std::abs(beside[i].hi - f[i].hi)) left[i] = false;
+        }
+    return std::ranges::count(left, true) == 0;
 }
 
 RBDYN_INLINE PinnedRest pinned(TreeForces& forces, const std::vector<double>& q) {
@@ -216,9 +233,9 @@ RBDYN_INLINE PinnedRest pinned(TreeForces& forces, const std::vector<double>& q)
         rest.place = forces.stepped(rest.place, step);
         // at a zero of all coordinates leaps go on for ever; they end where they are nothing to those before, and to
         // the scene: from far away both are to be
-        rest.is_found = leap <= 0x1p-60 * longest_leap;
+        rest.is_found = leap <= pinning::last_leap * longest_leap;
         for (int i = 0; i < n; ++i)
-            rest.is_found = rest.is_found && std::abs(step[at(i)]) <= 0x1p-60 * freedom_units[at(i)];
+            rest.is_found = rest.is_found && std::abs(step[at(i)]) <= pinning::last_leap * freedom_units[at(i)];
         longest_leap = std::max(longest_leap, leap);
         if (!rest.is_found) continue;
         forces.look_at(rest.place);

@@ -22,7 +22,7 @@ namespace resolving {
 /// Whether forces go as their slopes say as far as `part` of every freedom's size from a place; along every one by
 /// itself, of many along some ways between them.
 inline bool goes_as_slopes_say(TreeForces& forces, const TreeForces::Wide& place, const SquareMatrix& slope,
-                               const Forces::State& s, double part) {
+                               const std::vector<double>& metric, const std::vector<double>& size, double part) {
     const auto at = [](int i) { return static_cast<std::size_t>(i); };
     const int n = forces.freedoms();
     constexpr int most_single = 24, most_mixed = 8;
@@ -32,7 +32,7 @@ inline bool goes_as_slopes_say(TreeForces& forces, const TreeForces::Wide& place
         std::vector<double> step(at(n));
         for (int j = 0; j < n; ++j)
             if (n > most_single || j == k)
-                step[at(j)] = ((j >> (k / 2)) + k) % 2 == 0 ? part * s.size[at(j)] : -part * s.size[at(j)];
+                step[at(j)] = ((j >> (k / 2)) + k) % 2 == 0 ? part * size[at(j)] : -part * size[at(j)];
         TreeForces::Wide there = forces.stepped(place, step);
         if (there == place) {
             // at the end of a rail
@@ -45,7 +45,7 @@ inline bool goes_as_slopes_say(TreeForces& forces, const TreeForces::Wide& place
         for (int i = 0; i < n; ++i) {
             double change = 0.0;
             for (int j = 0; j < n; ++j) change += slope(i, j) * step[at(j)];
-            const double unit = std::sqrt(s.metric[at(i)]);
+            const double unit = std::sqrt(metric[at(i)]);
             predicted = std::max(predicted, std::abs(change) / unit);
             const double over = std::abs((f[at(i)] - here[at(i)]).hi - change) / unit;
             if (!std::isfinite(over)) return false;
@@ -70,6 +70,9 @@ RBDYN_INLINE bool is_resolved(TreeForces& forces, const std::vector<double>& q, 
     // farther than that doubles do not tell places of the scene apart
     constexpr double far = 1e15, near = 1e-6, nothing = 0x1p-96;
     const std::vector<double> units = forces.units();
+    // a place is known to its rounding, or to nothing beside the scene
+    std::vector<double> size = s.size;
+    for (int i = 0; i < n; ++i) size[at(i)] = std::max(size[at(i)], nothing * units[at(i)]);
     bool is_far = false;
     for (int i = 0; i < n; ++i) is_far = is_far || !(s.size[at(i)] <= far * units[at(i)]);
     if (!is_far && is_rounding_of_terms()) return true;
@@ -81,24 +84,30 @@ RBDYN_INLINE bool is_resolved(TreeForces& forces, const std::vector<double>& q, 
     }
     TreeForces::Wide place = forces.wide(q);
     if (place.empty()) return false;
+    // in doubles slopes may vanish beside a zero of higher order that is not a double
+    const auto slope_at = [&](const TreeForces::Wide& there) {
+        forces.look_at(there);
+        const WideMatrix wide = forces.wide_jacobian().entries;
+        SquareMatrix slope(n);
+        for (int i = 0; i < n; ++i)
+            for (int j = 0; j < n; ++j) slope(i, j) = wide(i, j).hi;
+        return slope;
+    };
+    const SquareMatrix here = slope_at(place);
     // what is more than rounding of terms and of the place is a force, however even
     constexpr double rounding = 4096.0 * epsilon;
     const std::vector<double> known = forces.force_sizes(place);
     for (int i = 0; i < n; ++i) {
-        double size = s.effort[at(i)] + known[at(i)];
-        for (int j = 0; j < n; ++j) size += std::abs(s.jacobian(i, j)) * s.size[at(j)];
-        if (!(std::abs(s.force[at(i)]) <= rounding * size) || !std::isfinite(size)) return false;
+        double most = s.effort[at(i)] + known[at(i)];
+        for (int j = 0; j < n; ++j) most += std::abs(here(i, j)) * size[at(j)];
+        if (!(std::abs(s.force[at(i)]) <= rounding * most) || !std::isfinite(most)) return false;
     }
     // farther than rounding of the place may have made a force pass for none
-    if (resolving::goes_as_slopes_say(forces, place, s.jacobian, s, rounding)) return true;
+    if (resolving::goes_as_slopes_say(forces, place, here, s.metric, size, rounding)) return true;
     if (is_far) return false;
     constexpr int most_steps = 400;
     for (int iteration = 0; iteration < most_steps; ++iteration) {
-        forces.look_at(place);
-        const WideMatrix wide_slope = forces.wide_jacobian().entries;
-        SquareMatrix slope(n);
-        for (int i = 0; i < n; ++i)
-            for (int j = 0; j < n; ++j) slope(i, j) = wide_slope(i, j).hi;
+        const SquareMatrix slope = slope_at(place);
         const TreeForces::Wide f = forces.force_at(place);
         const std::vector<double> sizes = forces.force_sizes(place);
         bool is_zero = true;
@@ -108,11 +117,15 @@ RBDYN_INLINE bool is_resolved(TreeForces& forces, const std::vector<double>& q, 
             is_zero = is_zero && std::abs(f[at(i)].hi) <= nothing * sizes[at(i)];
         }
         if (is_zero) return true;
-        place = forces.stepped(place, solve(slope, left).x);
+        const std::vector<double> step = solve(slope, left).x;
+        is_zero = true;
+        for (int i = 0; i < n; ++i) is_zero = is_zero && std::abs(step[at(i)]) <= nothing * size[at(i)];
+        if (is_zero) return true;
+        place = forces.stepped(place, step);
         if (place.empty()) return false;
         const std::vector<double> way = forces.difference(forces.nearest(place), q);
         for (int i = 0; i < n; ++i)
-            if (!(std::abs(way[at(i)]) <= near * s.size[at(i)])) return false;
+            if (!(std::abs(way[at(i)]) <= near * size[at(i)])) return false;
     }
     return false;
 }

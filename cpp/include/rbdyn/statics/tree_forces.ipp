@@ -64,11 +64,11 @@ RBDYN_INLINE TreeForces::TreeForces(const Scene& scene) : acting_(scene) {
     if (acting_.size() > 0.0 || freedoms() == 0) return;
     const double own = natural_length(*this, x);
     if (!std::isfinite(own)) return;
-    // forces that are small beside others bend as these do only far away
-    constexpr double far = 1e8;
+    // forces that are small beside others bend as these do only far away, and at a border of two formulas at once
+    constexpr double far = 1e8, near = 0x1p-30;
     double off = 0.0;
     for (const mechanics::Moving<DoubleDouble>& body : moving(x)) off = std::max(off, rounded(body.place).norm());
-    extent_ = off > 0.0 ? std::min(own, far * off) : own;
+    extent_ = off > 0.0 ? std::clamp(own, near * off, far * off) : own;
 }
 
 RBDYN_INLINE Forces::State TreeForces::at_rest(const std::vector<double>& q) {

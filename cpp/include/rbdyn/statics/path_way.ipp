@@ -1,0 +1,194 @@
+// Definitions of rbdyn/statics/path_equilibria.hpp: the way that is searched, and its pieces.
+#pragma once
+
+#include "rbdyn/statics/path_equilibria.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "rbdyn/basics/error.hpp"
+#include "rbdyn/scene/loads.hpp"
+#include "rbdyn/statics/path_forces.hpp"
+#include "rbdyn/statics/path_pieces.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
+
+RBDYN_INLINE bool PathEquilibria::repeats() {
+    if (!forces_.may_count_turns()) return true;
+    const double turn = 2.0 * std::numbers::pi;
+    const TorsionSpring spring = forces_.torsion();
+    PathForces::Values values(forces_);
+    const auto rest = [&](double u) { return values(u) + spring.stiffness * (u - spring.rest_angle); };
+    // where its formulas agree on stretches they are the same
+    bool is_same = true;
+    const auto look = [&](const Piece& p) {
+        // beside what the angle's own rounding makes of them, which is more the farther on
+        double steepest = 0.0;
+        for (int k = 1; k <= statics::order; ++k)
+            steepest += k * std::abs(p.output[along][static_cast<std::size_t>(k)]) / p.half;
+        for (const double x : {-0.9375, -0.3125, 0.1875, 0.8125}) {
+            const double u = p.place(x), here = rest(u);
+            for (const double turns : {-2.0, -1.0, 1.0, 3.0}) {
+                const double other = u + turns * turn, way = std::abs(u) + std::abs(other);
+                const double noise = 1e-11 * std::max(forces_.effort(u), forces_.effort(other)) +
+                                     64.0 * epsilon * (p.bound() + (steepest + spring.stiffness) * way);
+                is_same = is_same && std::abs(rest(other) - here) <= noise;
+            }
+        }
+        return is_same;
+    };
+    try {
+        pieces_.march(place_, place_ + turn, most_pieces, look);
+    } catch (const InvalidInput&) {
+        return false;
+    }
+    return is_same;
+}
+
+RBDYN_INLINE std::pair<double, double> PathEquilibria::wound() {
+    const TorsionSpring spring = forces_.torsion();
+    const double turn = 2.0 * std::numbers::pi;
+    double most = 0.0;
+    const bool is_all = pieces_.march(spring.rest_angle, spring.rest_angle + turn, most_pieces, [&](Piece p) {
+        p.output[along][0] += spring.stiffness * (p.middle - spring.rest_angle);
+        p.output[along][1] += spring.stiffness * p.half;
+        most = std::max(most, p.bound());
+        return true;
+    });
+    const double reach = 1.0 + most / spring.stiffness;
+    // more than are kept
+    return {spring.rest_angle, is_all ? reach : std::max(reach, turn)};
+}
+
+RBDYN_INLINE void PathEquilibria::turn_back(Equilibrium& e) const {
+    double& angle = e.coordinates[0];
+    if (e.interval && e.interval->second - e.interval->first == round_) {
+        angle = place_;
+        e.interval = {place_ - 0.5 * round_, place_ + 0.5 * round_};
+    }
+    if (e.interval || !(angle > 0.5 * round_ * (1.0 + 4.0 * epsilon))) return;
+    angle -= round_;
+}
+
+RBDYN_INLINE void PathEquilibria::walk(bool asked) {
+    // what begins where one formula goes over to another one is cut there as elsewhere
+    const auto cut_at_place = [&](std::size_t before) {
+        if (before == 0 || before == path_.size()) return;
+        if (!pieces_.changes_at(place_, std::min(path_[before - 1].half, path_[before].half))) return;
+        path_[before - 1].cut_above = path_[before].cut_below = true;
+    };
+    const auto keep = [&](const Piece& p) {
+        path_.push_back(p);
+        // the same force all along
+        return !(p.endless && is_same_all_along(p));
+    };
+    if (std::isfinite(low_) && std::isfinite(high_)) {
+        if (pieces_.march(low_, high_, most_pieces, keep)) {
+            // the seam of one round is a place as others
+            if (round_ > 0.0 && pieces_.changes_at(low_, std::min(path_.front().half, path_.back().half)))
+                path_.front().cut_below = path_.back().cut_above = true;
+            return;
+        }
+        if (!asked)
+            throw InvalidInput(
+                "equilibria: from " + forces_.coordinate() + " " + text(low_) + " to " + text(high_) +
+                " the forces on " + forces_.name() + " change so often that more than " + std::to_string(most_pieces) +
+                " Taylor series are needed, and not every state of rest would be found; give near=, "
+                "about which " +
+                std::to_string(most_about) + " are searched on each side, or take away what changes so quickly");
+        // on both sides of the place
+        path_.clear();
+        place_ = std::clamp(place_, low_, high_);
+        pieces_.march(place_, low_, most_about, keep);
+        std::reverse(path_.begin(), path_.end());
+        const std::size_t below = path_.size();
+        pieces_.march(place_, high_, most_about, keep);
+        cut_at_place(below);
+        round_ = 0.0;
+        if (path_.empty()) return;
+        low_ = path_.front().begin();
+        high_ = path_.back().end();
+        return;
+    }
+    const int most = most_stretches + pieces_.doublings(place_);
+    pieces_.march(place_, low_, most, keep);
+    std::reverse(path_.begin(), path_.end());
+    if (path_.size() == 1 && path_[0].endless && is_same_all_along(path_[0])) return;
+    const std::size_t below = path_.size();
+    pieces_.march(place_, high_, most, [&](const Piece& p) {
+        path_.push_back(p);
+        return true;
+    });
+    cut_at_place(below);
+}
+
+RBDYN_INLINE std::vector<double> PathEquilibria::flat_places(const Piece& p) {
+    std::vector<double> places;
+    constexpr int steps = 32;
+    for (int k = -steps; k <= steps; ++k) {
+        const double x = static_cast<double>(k) / steps;
+        if (std::abs(p.value(PathForces::along, x)) <= p.noise()) places.push_back(x);
+    }
+    return places;
+}
+
+RBDYN_INLINE std::vector<double> PathEquilibria::zeros_of(const Piece& p) {
+    std::array<double, statics::order + 1> q = p.output[along];
+    std::vector<double> places = statics::roots_about_middle(q.data(), statics::order);
+    // zeros without a change of sign, or too flat to show one: those of derivatives
+    for (int degree = statics::order - 1; degree >= statics::order - 3; --degree) {
+        for (int k = 0; k <= degree; ++k) q[static_cast<std::size_t>(k)] = (k + 1) * q[static_cast<std::size_t>(k) + 1];
+        for (const double x : statics::roots_about_middle(q.data(), degree))
+            if (p.may_vanish(x)) places.push_back(x);
+    }
+    for (const double x : flat_places(p)) places.push_back(x);
+    return places;
+}
+
+RBDYN_INLINE void PathEquilibria::refine(const Piece& p, int depth, std::vector<Piece>& path) {
+    const auto is_small = [&](double x) {
+        return !cut_end(p, x, at_end) && forces_.effort(p.place(x)) < 0x1p-6 * p.effort;
+    };
+    const bool is_flat = p.bound() <= p.noise();
+    if (depth >= most_halvings || is_flat || !std::ranges::any_of(zeros_of(p), is_small)) {
+        path.push_back(p);
+        return;
+    }
+    for (const double way : {-1.0, 1.0}) {
+        Piece half = pieces_.about(p.middle + 0.5 * way * p.half, 0.5 * p.half);
+        (way < 0.0 ? half.cut_below : half.cut_above) = way < 0.0 ? p.cut_below : p.cut_above;
+        half.polynomial = p.polynomial;
+        refine(half, depth + 1, path);
+    }
+}
+
+RBDYN_INLINE bool PathEquilibria::is_same_all_along(const Piece& p) const {
+    for (std::size_t j = 0; j < p.output.size(); ++j) {
+        double sum = 0.0;
+        for (std::size_t k = 1; k < p.output[j].size(); ++k) sum += std::abs(p.output[j][k]);
+        if (sum > (j == PathForces::hold ? hold_noise(p) : p.noise())) return false;
+    }
+    return true;
+}
+
+RBDYN_INLINE double PathEquilibria::hold_noise(const Piece& p) const {
+    const double mu = forces_.static_friction();
+    return 2.0 * (1.0 + mu * mu) * p.effort * p.noise();
+}
+
+RBDYN_INLINE double PathEquilibria::hold_noise(const Piece& p, double x) const {
+    const double q = p.value(PathForces::along, x), noise = p.noise();
+    return 32.0 * epsilon * q * q + noise * noise;
+}
+
+RBDYN_INLINE bool PathEquilibria::adjoin(double end, const Piece& p) {
+    return std::abs(p.begin() - end) <= 1e-14 * (std::abs(end) + p.half);
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM
