@@ -1,7 +1,7 @@
 // How far the forces about a place go as their slopes say: the length that a potential has of its own.
 //
-// f(z + s d) is f(z) + s J d up to a bend, the smallest s at which what is left over is half as much as
-// the stiffest freedom would leave, s |J| |d|, in the metric of the kinetic energy. Forces that are linear have none.
+// f(z + s d) is f(z) + s J d up to a bend, the smallest s at which what is left over is half as much as the stiffest
+// freedom would leave, s |J| |d|, in the metric of the kinetic energy. Forces that are linear have none.
 #pragma once
 
 #include <vector>

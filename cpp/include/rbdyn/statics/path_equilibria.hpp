@@ -8,7 +8,8 @@
 // is in none.
 //
 // The rail is searched all along if it has two ends, for one round if it is closed; else on both sides of a place, as
-// far as 32 stretches on which one Taylor series holds go, each up to twice as long as the one before. A hinge is
+// far as 32 stretches on which one Taylor series holds go, each up to twice as long as the one before, and those more
+// that forces of polynomials take from beside a zero or a border to where all of them show. A hinge is
 // searched for one turn; with a torsion spring, whose moment in the end outgrows all that repeats itself, as far as
 // there can be any. One with a torque of its angle that is another one after a turn is searched as a path without ends.
 // Where this takes more pieces than are kept the list would lack some: it is refused, unless a place was asked for.
