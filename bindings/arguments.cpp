@@ -50,6 +50,19 @@ static bool has_unit(py::handle value) {
     return py::module_::import("rbdyn.quantities").attr("has_unit")(value).cast<bool>();
 }
 
+/// As an array of the flags and type given; none if it cannot be. Ctrl-C meanwhile is no reason for that, and goes on.
+static py::array array_of(py::handle value, PyObject* type, int flags) {
+    const auto& numpy = py::detail::npy_api::get();
+    Py_XINCREF(type);
+    PyObject* const array =
+        numpy.PyArray_FromAny_(value.ptr(), type, 0, 0, py::detail::npy_api::NPY_ARRAY_ENSUREARRAY_ | flags, nullptr);
+    if (array == nullptr) {
+        if (PyErr_ExceptionMatches(PyExc_Exception) == 0) throw py::error_already_set();
+        PyErr_Clear();
+    }
+    return py::reinterpret_steal<py::array>(array);
+}
+
 Array doubles(py::handle value, const std::string& object, const std::string& what) {
     if (has_parameters(value))
         throw InvalidInput(object + ": " + what + " is " + shown(value) +
@@ -61,7 +74,7 @@ Array doubles(py::handle value, const std::string& object, const std::string& wh
     if (has_unit(value))
         throw InvalidInput(object + ": " + what + " is " + shown(value) + "; " +
                            py::module_::import("rbdyn.quantities").attr("RULE").cast<std::string>());
-    const py::array array = py::array::ensure(value);
+    const py::array array = array_of(value, nullptr, 0);
     if (!array) refuse();
     switch (array.dtype().kind()) {
         case 'b':
@@ -71,7 +84,8 @@ Array doubles(py::handle value, const std::string& object, const std::string& wh
         case 'O': break;
         default: refuse();
     }
-    Array numbers = Array::ensure(array);
+    const Array numbers = py::reinterpret_borrow<Array>(
+        array_of(array, py::dtype::of<double>().ptr(), py::array::c_style | py::array::forcecast));
     if (!numbers) refuse();
     return numbers;
 }
