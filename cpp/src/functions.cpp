@@ -25,6 +25,7 @@
 #include "rbdyn/expression/numbers.ipp"
 #include "rbdyn/expression/own_function.ipp"
 #include "rbdyn/expression/parameter.ipp"
+#include "rbdyn/expression/phases.ipp"
 #include "rbdyn/expression/program.ipp"
 #include "rbdyn/expression/recorder.ipp"
 #include "rbdyn/expression/recording.ipp"

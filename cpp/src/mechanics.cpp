@@ -23,5 +23,6 @@
 #include "rbdyn/mechanics/tree_reports.ipp"
 #include "rbdyn/mechanics/tree_rows.ipp"
 #include "rbdyn/mechanics/tree_slip_directions.ipp"
+#include "rbdyn/mechanics/tree_slip_parts.ipp"
 #include "rbdyn/mechanics/tree_state.ipp"
 #include "rbdyn/mechanics/tree_writer.ipp"

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -102,6 +103,9 @@ public:
 
     /// A node in the recording that its inputs and operands are in now, cases and numbers of the user's kept as such.
     Expression again(std::int32_t n, std::span<const Expression> x, const std::vector<Expression>& y) const;
+    /// The same with other operations in place of some: `instead` of node n, from all before it, if any.
+    Function rewritten(const std::function<std::optional<Expression>(std::int32_t n, const std::vector<Expression>& y)>&
+                           instead) const;
     /// The same without the operations that no result uses.
     Function trimmed() const;
 

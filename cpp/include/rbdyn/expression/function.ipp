@@ -7,6 +7,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -90,6 +91,24 @@ RBDYN_INLINE Expression Function::again(std::int32_t n, std::span<const Expressi
     const Node& node = recorder_->node(n);
     if (node.operation == Operation::cell) return recording::active()->cell(recorder_->cells()[at(node.a)]);
     return applied<Expression>(n, x, y);
+}
+
+RBDYN_INLINE Function Function::rewritten(
+    const std::function<std::optional<Expression>(std::int32_t n, const std::vector<Expression>& y)>& instead) const {
+    Function result = record(inputs_, [&](const std::vector<Expression>& x) {
+        // in the same order: so are the values of what is frozen
+        for (const Parameter& p : parameters()) (void)recording::active()->cell(p);
+        std::vector<Expression> y;
+        for (std::int32_t n = 0; n < size(); ++n) {
+            const std::optional<Expression> other = instead(n, y);
+            y.push_back(other ? *other : again(n, x, y));
+        }
+        std::vector<Expression> results;
+        for (const std::int32_t out : outputs_) results.push_back(y[at(out)]);
+        return results;
+    });
+    result.values_ = values_;
+    return result;
 }
 
 RBDYN_INLINE Function Function::trimmed() const {

@@ -15,6 +15,7 @@
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/curve/curve.hpp"
 #include "rbdyn/expression/expression.hpp"
+#include "rbdyn/expression/phases.hpp"
 #include "rbdyn/rotation/attitude.hpp"
 #include "rbdyn/rotation/quaternion.hpp"
 #include "rbdyn/scene/constraints.hpp"
@@ -26,17 +27,19 @@ namespace laws {
 
 using Wide = Vector3Of<DoubleDouble>;
 
-/// The law of a joint; `body`: the one it holds.
-inline JointLaw of(const Free&, const Scene::Body& body) {
+/// The law of a joint; `body`: the one it holds; `start` [s]: when the motion begins.
+inline JointLaw of(const Free&, const Scene::Body& body, double) {
     if (body.rigid() == nullptr) return FreePointLaw{};
     FreeBodyLaw law;
     law.point = body.rigid()->exact().com;
     return law;
 }
-inline JointLaw of(const Rail& rail, const Scene::Body&) {
+inline JointLaw of(const Rail& rail, const Scene::Body&, double start) {
     const auto put = [&]<class Law>(Law law) {
         law.curve = rail.curve();
-        law.motion = rail.motion();
+        const SmallPhases motion = small_phases(rail.motion().function(), start);
+        law.motion = motion.ahead > 0.0 ? RigidMotion(motion.function) : rail.motion();
+        law.ahead = motion.ahead;
         return law;
     };
     if (!rail.may_release()) return put(RailLaw{});
@@ -44,7 +47,7 @@ inline JointLaw of(const Rail& rail, const Scene::Body&) {
     law.releases = rail.ends() == RailEnds::release;
     return law;
 }
-inline JointLaw of(const Spherical& joint, const Scene::Body&) {
+inline JointLaw of(const Spherical& joint, const Scene::Body&, double) {
     SphericalLaw law;
     law.offset = widened(joint.at);
     law.point = widened(joint.point);
@@ -59,24 +62,26 @@ JointLaw along_axis(const J& joint) {
     return law;
 }
 template <class J>
-JointLaw driven(const J& joint, bool turns) {
+JointLaw driven(const J& joint, bool turns, double start) {
     DrivenLaw law;
     law.offset = widened(joint.at);
     law.point = widened(joint.point);
     law.axis = unit(joint.axis);
     law.turns = turns;
-    law.way = *joint.motion;
-    law.rate = joint.motion->is_constant() ? TimeFunction() : TimeFunction(joint.motion->function().derivative(0));
+    const SmallPhases motion = small_phases(joint.motion->function(), start);
+    law.way = motion.ahead > 0.0 ? TimeFunction(motion.function) : *joint.motion;
+    law.rate = law.way.is_constant() ? TimeFunction() : TimeFunction(law.way.function().derivative(0));
+    law.ahead = motion.ahead;
     return law;
 }
-inline JointLaw of(const Revolute& joint, const Scene::Body&) {
-    return joint.motion ? driven(joint, true) : along_axis<RevoluteLaw>(joint);
+inline JointLaw of(const Revolute& joint, const Scene::Body&, double start) {
+    return joint.motion ? driven(joint, true, start) : along_axis<RevoluteLaw>(joint);
 }
-inline JointLaw of(const Prismatic& joint, const Scene::Body&) {
-    return joint.motion ? driven(joint, false) : along_axis<PrismaticLaw>(joint);
+inline JointLaw of(const Prismatic& joint, const Scene::Body&, double start) {
+    return joint.motion ? driven(joint, false, start) : along_axis<PrismaticLaw>(joint);
 }
-inline JointLaw of(const Cylindrical& joint, const Scene::Body&) { return along_axis<CylindricalLaw>(joint); }
-inline JointLaw of(const Universal& joint, const Scene::Body&) {
+inline JointLaw of(const Cylindrical& joint, const Scene::Body&, double) { return along_axis<CylindricalLaw>(joint); }
+inline JointLaw of(const Universal& joint, const Scene::Body&, double) {
     UniversalLaw law;
     law.offset = widened(joint.at);
     law.point = widened(joint.point);
@@ -84,7 +89,7 @@ inline JointLaw of(const Universal& joint, const Scene::Body&) {
     law.second = unit_across(joint.second, law.first);
     return law;
 }
-inline JointLaw of(const Planar& joint, const Scene::Body&) {
+inline JointLaw of(const Planar& joint, const Scene::Body&, double) {
     PlanarLaw law;
     law.offset = widened(joint.at);
     law.x = unit(joint.x);
@@ -92,7 +97,7 @@ inline JointLaw of(const Planar& joint, const Scene::Body&) {
     law.normal = cross<DoubleDouble>(law.x, law.y);
     return law;
 }
-inline JointLaw of(const Fixed& joint, const Scene::Body&) {
+inline JointLaw of(const Fixed& joint, const Scene::Body&, double) {
     FixedLaw law;
     law.offset = widened(joint.at);
     law.point = widened(joint.point);
@@ -109,7 +114,7 @@ RBDYN_INLINE Tree::Tree(const Scene& scene, const std::vector<int>& flying, Bead
         const bool is_free = std::holds_alternative<Free>(b.joint);
         // nothing joins a free body to a parent: it is one without
         n.parent = is_free ? -1 : b.parent;
-        n.joint = std::visit([&](const auto& joint) { return laws::of(joint, b); }, b.joint);
+        n.joint = std::visit([&](const auto& joint) { return laws::of(joint, b, scene.origin()); }, b.joint);
         if (const LooseRailLaw* loose = n.joint.as<LooseRailLaw>(); loose != nullptr && beads == Beads::stay)
             n.joint = static_cast<const RailLaw&>(*loose);
         if (std::find(flying.begin(), flying.end(), size()) != flying.end()) {

@@ -55,16 +55,21 @@ RBDYN_INLINE bool TreeModel::goes_on_bouncing(int contact, double t, double flig
 }
 
 RBDYN_INLINE bool TreeModel::follows_together(const Mode& mode) const {
-    // joints that turn back in a flight begin it anew, and so does what slides meanwhile
+    // what slides meanwhile begins a flight anew where it turns
     bool none_slides = true;
     for (int k = 0; k < contacts(); ++k) {
         const signed char state = mode.slip[at(k)];
         const bool is_smooth = !leaves_out() && !is_rough(k);
         none_slides = none_slides && (state == flies || is_smooth || mechanics::contact_state::is_held(state));
     }
+    return none_slides && follows_gaps();
+}
+
+RBDYN_INLINE bool TreeModel::follows_gaps() const {
+    // joints that turn back in a flight begin it anew
     const bool all_lose = std::ranges::all_of(conditions_->contacts(),
                                               [](const mechanics::ContactLaw& c) { return c.restitution < 1.0; });
-    return joints_.empty() && resistances() == 0 && none_slides && (!leaves_out() || all_lose);
+    return joints_.empty() && resistances() == 0 && (!leaves_out() || all_lose);
 }
 
 RBDYN_INLINE std::vector<int> TreeModel::reached(const std::vector<int>& closed,

@@ -21,6 +21,7 @@
 #include "rbdyn/mechanics/assemble.hpp"
 #include "rbdyn/mechanics/closure.hpp"
 #include "rbdyn/mechanics/contact_state.hpp"
+#include "rbdyn/mechanics/driven.hpp"
 #include "rbdyn/mechanics/redundant.hpp"
 #include "rbdyn/mechanics/tree_model.hpp"
 #include "rbdyn/scene/starts.hpp"
@@ -200,7 +201,7 @@ RBDYN_INLINE bool TreeModel::change(const Mode& mode, const Scene::Watch& watch,
         if (conditions_->contacts()[at(k)].is_gone) continue;
         const double gap = gaps[at(conditions_->normal_row(k))];
         // and no place is known better than by how far it goes in the rounding of the time
-        const double late = 4.0 * epsilon * std::abs(t) * speed_of(k, there);
+        const double late = 4.0 * epsilon * (std::abs(t) + ahead()) * speed_of(k, there);
         require(gap >= -nearest_touch(mode, k) * size_of(k, there) - late,
                 user + ", " + conditions_->contacts()[at(k)].name, "gap its action leaves", gap,
                 "what touches is not inside what it touches; move it less far");
@@ -235,26 +236,26 @@ RBDYN_INLINE Mode TreeModel::decided_anew(const Mode& before, std::span<const do
         mode.impossible = why;
         return mode;
     };
+    const std::vector<double> phases = phase_rounding(t, x);
+    const auto noise_of = [&](int k, const auto& motion) { return 1e-12 * speed_of(k, motion) + phases[at(k)]; };
     std::vector<int> closed;
     for (int k = 0; k < contacts(); ++k) {
         if (conditions_->contacts()[at(k)].is_gone) continue;
         const auto row = at(conditions_->normal_row(k));
         const double gap = gaps[row], near = nearest_touch(before, k) * size_of(k, all),
-                     late = 4.0 * epsilon * std::abs(t) * speed_of(k, all);
+                     late = 4.0 * epsilon * (std::abs(t) + ahead()) * speed_of(k, all);
         require(
             gap >= -near - late, conditions_->contacts()[at(k)].name, "gap", gap,
             "what touches is not inside what it touches as the scene starts; move it out, or turn the normal of the "
             "surface");
         if (gap > near + late) continue;
         if (const std::string why = lies_flat({k}, all, no_tilt); !why.empty()) return ends_at_once(why);
-        const double speed = mechanics::Conditions::rate(rows[row], all), noise = 1e-12 * speed_of(k, all);
-        if (speed <= noise) closed.push_back(k);
+        if (mechanics::Conditions::rate(rows[row], all) <= noise_of(k, all)) closed.push_back(k);
     }
     // what is at rest on its surface, or rolls on it, but for rounding does not strike it: it is set to be so exactly
     const auto touching = [&](int k) { return conditions_->contacts()[at(k)].touching<double>(*tree_, all); };
     const auto is_along = [&](int k) {
-        return std::abs(mechanics::Conditions::rate(rows[at(conditions_->normal_row(k))], all)) <=
-               1e-12 * speed_of(k, all);
+        return std::abs(mechanics::Conditions::rate(rows[at(conditions_->normal_row(k))], all)) <= noise_of(k, all);
     };
     const auto is_stuck = [&](int k) { return is_rough(k) && touching(k).slip().norm() <= 1e-12 * speed_of(k, all); };
     const bool strikes = !std::all_of(closed.begin(), closed.end(), is_along);
@@ -281,8 +282,7 @@ RBDYN_INLINE Mode TreeModel::decided_anew(const Mode& before, std::span<const do
             // what rests on its surface, and goes on to, has rounding of a speed
             const double rounding =
                 is_in(kept.along, k) ? 8.0 * std::abs(mechanics::Conditions::rate(rows[row], all)) : 0.0;
-            if (mechanics::Conditions::rate(later[row], then) <= 1e-12 * speed_of(k, then) + rounding)
-                at_rest.push_back(k);
+            if (mechanics::Conditions::rate(later[row], then) <= noise_of(k, then) + rounding) at_rest.push_back(k);
         }
         // what never slips does not as the motion begins, whatever turns then
         std::vector<int> never;
@@ -319,6 +319,32 @@ RBDYN_INLINE void TreeModel::require_no_slip(int contact, double slip, bool is_s
     require(false, c.name, "slip as the scene starts [m/s]", slip,
             "where no friction lets it slide it rolls or stands as the scene starts (v + omega x r is that of what it "
             "touches): give velocities that do, or a coefficient that it slides with, as in Coulomb(math.inf, 0.2)");
+}
+
+RBDYN_INLINE double TreeModel::ahead() const {
+    double most = 0.0;
+    for (const mechanics::Node& n : tree_->nodes()) {
+        if (const mechanics::DrivenLaw* law = mechanics::driven(n)) most = std::max(most, law->ahead);
+        if (const mechanics::RailLaw* rail = mechanics::moved(n)) most = std::max(most, rail->ahead);
+    }
+    return most;
+}
+
+RBDYN_INLINE std::vector<double> TreeModel::phase_rounding(double t, std::span<const double> x) const {
+    std::vector<double> result(at(contacts()), 0.0);
+    const double late = 4.0 * epsilon * ahead();
+    if (!(t + late > t)) return result;
+    const auto rates = [&](double time) {
+        const auto all = moving(time, x);
+        const auto rows = conditions_->rows<double>(*tree_, all);
+        std::vector<double> u;
+        for (int k = 0; k < contacts(); ++k)
+            u.push_back(mechanics::Conditions::rate(rows[at(conditions_->normal_row(k))], all));
+        return u;
+    };
+    const std::vector<double> now = rates(t), then = rates(t + late);
+    for (std::size_t k = 0; k < result.size(); ++k) result[k] = std::abs(then[k] - now[k]);
+    return result;
 }
 
 RBDYN_INLINE double TreeModel::nearest_touch(const Mode& mode, int contact) const {

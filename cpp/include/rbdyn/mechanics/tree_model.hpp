@@ -106,7 +106,7 @@ public:
     std::string not_finite(const Mode& mode, double t, std::span<const double> x) const override;
     std::string impossible(const Mode& mode, double t, std::span<const double> x) const override;
     bool feel_each_other(int contact, int other, const Mode& mode, double t, std::span<const double> x) const override;
-    bool follows_bounces(const Mode& mode) const override { return !conditions_->is_rough() || follows_together(mode); }
+    bool follows_bounces(const Mode& /*mode*/) const override { return !conditions_->is_rough() || follows_gaps(); }
     bool bounces_among_bouncing(int contact) const override;
 
 private:
@@ -375,6 +375,8 @@ private:
     /// where nothing slides meanwhile, and each of them loses speed. What sticks is a point to turn about, held as by
     /// constraints.
     bool follows_together(const Mode& mode) const;
+    /// Whether gaps are known beyond doubles in all modes.
+    bool follows_gaps() const;
     // heights, in sizes, below which gaps are followed to 32 digits: from there to the rounding of doubles it is as far
     // as the square root of that
     static constexpr double low_bounce = 0x1p-14;
@@ -417,6 +419,31 @@ private:
     struct Encounter;
     void touch(const Mode& mode, Mode& after, std::span<const int> fired, double t, std::span<double> x,
                std::span<double> rest, std::span<const double> largest, std::vector<Happening>& happenings) const;
+
+    // --- what of the errors of forces is judged where slips end (tree_slip_parts.ipp) ---
+
+    /// Of what is at a state, the parts of errors that count: of the force of a contact, and of what holds bodies.
+    class SlipParts {
+    public:
+        SlipParts(const TreeModel& model, const Mode& mode, const mechanics::TreeState& state);
+        double of_contact(int k) const;
+        double on(int body) const;
+        double between(int a, int b) const;
+
+    private:
+        struct Slip {
+            int contact, group;
+            double part;  // what it is of the speeds that make it up
+        };
+        static constexpr int none = -1;
+        int group_of(const std::array<int, 2>& bodies) const;
+        /// Of a group, the least; the one of `contact` counts in full until it is a thousandth.
+        double part(int group, int contact) const;
+        std::vector<Slip> slips_;
+        std::vector<std::array<int, 2>> contacts_;
+        std::vector<int> group_;
+        std::vector<double> parts_;  // of bodies
+    };
 
     // --- rolling and pivoting (tree_rolling.ipp) ---
 
@@ -588,6 +615,11 @@ private:
     bool change(const Mode& mode, const Scene::Watch& watch, double t, std::span<double> x) const;
     /// How near, of its size, a contact of a mode is taken to touch.
     double nearest_touch(const Mode& mode, int contact) const;
+    /// How far time as drives are written with it is ahead of the time [s]: who places something where such a drive is
+    /// knows that to the rounding of both.
+    double ahead() const;
+    /// What of the rates of the gaps of contacts that rounding makes.
+    std::vector<double> phase_rounding(double t, std::span<const double> x) const;
     /// That what no friction lets slide does not as a scene starts.
     void require_no_slip(int contact, double slip, bool is_stuck) const;
     void tell_anew(const Mode& mode, const Mode& after, const std::vector<double>& impulses, const Strokes& strokes,

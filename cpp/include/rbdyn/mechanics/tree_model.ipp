@@ -13,6 +13,7 @@
 #include <set>
 #include <span>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -385,6 +386,7 @@ RBDYN_INLINE void TreeModel::observe(const Mode& mode, double t, std::span<const
                                      std::vector<Observed>& out) const {
     out.clear();
     const mechanics::TreeState state = look(mode, t, x);
+    const SlipParts slips(*this, mode, state);
     const auto body_held = [&](int which) { return !held_.empty() && held_[at(tree_->velocities() + which)]; };
     double fastest = 0.0;
     for (int i = 0; i < 2 * tree_->size(); ++i)
@@ -432,7 +434,11 @@ RBDYN_INLINE void TreeModel::observe(const Mode& mode, double t, std::span<const
         const bool is_smooth = std::none_of(joints_.begin(), joints_.end(),
                                             [&](const mechanics::RoughJoint& joint) { return joint.body == i; });
         const Wrench<double> reaction = is_smooth ? tree_models::across(m.joint, b.reaction, b.effort) : b.reaction;
-        out.push_back({reaction.force * counts, false, 0.0, b.effort.force.norm(), Alike::force});
+        const auto held = [&](const Vector3& value, double whole, Alike alike) {
+            out.push_back({value * counts, false, 0.0, whole, alike});
+            out.back().part = slips.on(i);
+        };
+        held(reaction.force, b.effort.force.norm(), Alike::force);
         if (n.is_point || n.joint.as<mechanics::SphericalLaw>() != nullptr) continue;
         Vector3 moment = reaction.moment;
         // the moment that turns it with what carries it, which does not turn but by rounding
@@ -448,9 +454,9 @@ RBDYN_INLINE void TreeModel::observe(const Mode& mode, double t, std::span<const
             const double most = mechanics::joint_state::is_sliding(does)
                                     ? rubs->mu_dynamic * rubs->radius * b.effort.force.norm()
                                     : b.effort.moment.norm();
-            out.push_back({resists * counts, false, 0.0, most, Alike::torque});
+            held(resists, most, Alike::torque);
         }
-        out.push_back({moment * counts, false, 0.0, b.effort.moment.norm(), Alike::torque});
+        held(moment, b.effort.moment.norm(), Alike::torque);
     }
     // a force is a difference of what acts on what it joins
     const auto effort = [&](const mechanics::Anchor& a, const mechanics::Anchor& b) {
@@ -465,23 +471,10 @@ RBDYN_INLINE void TreeModel::observe(const Mode& mode, double t, std::span<const
     };
     for (int k = 0; k < contacts(); ++k) {
         ContactReport c = state.contacts[at(k)];
-        // a direction that turns is that of the slip, whose velocities are judged themselves; what depends on it, as
-        // far as there is a slip
+        // a direction that turns is that of the slip, whose velocities are judged themselves
         if (mode.slip[at(k)] == mechanics::contact_state::turning ||
             mode.slip[at(k)] == mechanics::contact_state::brief)
-            c.force = c.normal * (c.normal.dot(c.force) *
-                                  std::min(1.0, c.slip.norm() / (1e-3 * speed_of(k, state.moving) + 1e-300)));
-        // the same of what turns on its surface
-        for (int e = 0; e < resistances(); ++e) {
-            if (conditions_->resistances()[at(e)].contact != k) continue;
-            const signed char turns = resisting(mode, e);
-            if (turns != mechanics::contact_state::turning && turns != mechanics::contact_state::brief) continue;
-            const std::array<double, 2> rate = rate_of(e, state.moving);
-            const double part = std::min(1.0, std::hypot(rate[0], rate[1]) * size_of(k, state.moving) /
-                                                  (1e-3 * speed_of(k, state.moving) + 1e-300));
-            const Vector3 along_normal = c.normal * c.normal.dot(c.force);
-            c.force = along_normal + (c.force - along_normal) * part;
-        }
+            c.force = c.normal * c.normal.dot(c.force);
         // what is not unique is one of many
         if (shares_load(mode)) c.force = Vector3::Zero();
         const mechanics::ContactLaw& law = conditions_->contacts()[at(k)];
@@ -492,13 +485,17 @@ RBDYN_INLINE void TreeModel::observe(const Mode& mode, double t, std::span<const
                     std::max(most, static_cast<double>(tree_->node(i).mass) *
                                        mechanics::speed_rounding(speed_of(k, state.moving), size_of(k, state.moving)));
         out.push_back({c.force, false, 0.0, most, Alike::force});
+        out.back().part = slips.of_contact(k);
     }
     for (std::size_t k = 0; k < state.constraints.size(); ++k) {
         const ConstraintReport& c = state.constraints[k];
         const mechanics::Condition& law = conditions_->all()[k];
         const Wrench<double> most = effort(law.a, law.b);
-        out.push_back({c.force, false, 0.0, std::max(c.force.norm(), most.force.norm()), Alike::force});
-        out.push_back({c.torque, false, 0.0, std::max(c.torque.norm(), most.moment.norm()), Alike::torque});
+        for (const auto& [value, whole, alike] : {std::tuple(c.force, most.force.norm(), Alike::force),
+                                                  std::tuple(c.torque, most.moment.norm(), Alike::torque)}) {
+            out.push_back({value, false, 0.0, std::max(value.norm(), whole), alike});
+            out.back().part = slips.between(law.a.body, law.b.body);
+        }
     }
 }
 

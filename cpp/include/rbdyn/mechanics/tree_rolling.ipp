@@ -118,6 +118,20 @@ RBDYN_INLINE void TreeModel::decide_resistances(
     const auto is_in = [](const std::vector<int>& list, int k) {
         return std::find(list.begin(), list.end(), k) != list.end();
     };
+    // how quickly what a contact joins changes how it turns on it [rad/s^2]
+    const auto pace_of = [&](int k) {
+        double pace = 0.0;
+        if (before.equations == nullptr) return pace;
+        const mechanics::TreeState now = look(before, t, x);
+        const mechanics::ContactLaw& c = conditions_->contacts()[at(k)];
+        const double size = size_of(k, now.moving);
+        for (const int body : {c.a.body, c.b.body}) {
+            if (body < 0) continue;
+            const mechanics::TreeState::Body& b = now.bodies[at(body)];
+            pace += b.angular_acceleration.norm() + (size > 0.0 ? b.acceleration.norm() / size : 0.0);
+        }
+        return pace;
+    };
     std::vector<int> rows = rows_;
     for (int e = 0; e < resistances(); ++e) {
         const mechanics::Resistance& law = conditions_->resistances()[at(e)];
@@ -157,7 +171,9 @@ RBDYN_INLINE void TreeModel::decide_resistances(
         if (begins != breaking.end()) {
             memory.along[0] = begins->second[0];
             memory.along[1] = begins->second[1];
-            memory.least = least;
+            // no rate is known better than by what it changes, or would if nothing held it, within the rounding of the
+            // time: what begins, or goes straight back, may have as much the other way
+            memory.least = std::max({least, 2.0 * speed, 8.0 * epsilon * std::abs(t) * pace_of(law.contact)});
             state = mechanics::contact_state::starts;
         } else if (stops) {
             state = held;

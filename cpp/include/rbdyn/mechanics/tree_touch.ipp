@@ -91,6 +91,7 @@ struct TreeModel::Encounter {
     void reach();
     void strike();
     bool comes_back_at_once();
+    bool stays_at_last();
     void let_fly(bool is_alone, double made_alone);
     void end_bounces();
     void come_to_rest(const Mode& struck, const std::vector<double>& bounced, const std::vector<int>& stuck,
@@ -209,7 +210,7 @@ RBDYN_INLINE void TreeModel::Encounter::strike() {
         for (const int k : landing) came = std::max(came, -rate(all, k));
         left.slid = model.conditions_->is_rough() && !model.follows_together(mode);
         group = model.accumulating(after, t, x, rest, closed, came, left);
-        if (group.empty() && after.impossible.empty() && comes_back_at_once()) group = closed;
+        if (group.empty() && after.impossible.empty() && (comes_back_at_once() || stays_at_last())) group = closed;
     }
     if (group.empty() && after.impossible.empty() && flight <= 8.0 * epsilon * std::abs(t))
         group = model.collapsing(mode, after, t, x, rest, closed, strokes);
@@ -227,6 +228,13 @@ RBDYN_INLINE bool TreeModel::Encounter::comes_back_at_once() {
     // of speeds, and of the phase of what drives surfaces
     const double rounding = 64.0 * epsilon * (model.speed_of(closed.front(), all) + std::abs(w.front() * t));
     return parts <= rounding && after.slip[at(closed.front())] == flies && w.front() < -noise.front();
+}
+
+/// Whether what bounces alone is thrown back no more after a flight of rounding: where the surface turns back it is too
+/// slow for its speed to tell which bounce is the last.
+RBDYN_INLINE bool TreeModel::Encounter::stays_at_last() {
+    if (closed.size() != 1 || flight > 64.0 * epsilon * std::abs(t) || mode.jumps == 0) return false;
+    return law(closed.front()).restitution > 0.0 && after.slip[at(closed.front())] != flies;
 }
 
 /// Opens what is thrown back.

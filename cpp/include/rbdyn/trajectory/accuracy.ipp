@@ -375,7 +375,8 @@ RBDYN_INLINE void AccuracyCheck::leave_out_rounding(double nearer) {
 RBDYN_INLINE bool AccuracyCheck::is_doubtful() const {
     if (loses_rank_) return true;
     for (std::size_t k = 0; k < fine_.size(); ++k)
-        if (is_force(fine_[k]) && safe_norm(seen_[k].value - fine_[k].value) > wanted_ * safe_norm(fine_[k].value))
+        if (is_force(fine_[k]) &&
+            fine_[k].part * safe_norm(seen_[k].value - fine_[k].value) > wanted_ * safe_norm(fine_[k].value))
             return true;
     return false;
 }
@@ -385,7 +386,7 @@ RBDYN_INLINE void AccuracyCheck::note(double weight, bool is_shared, bool has_fo
     largest.resize(fine_.size(), -1.0);
     for (std::size_t k = 0; k < fine_.size(); ++k) {
         if (!has_forces && is_force(fine_[k])) continue;
-        const double value = weight * safe_norm(seen_[k].value - fine_[k].value);
+        const double value = weight * fine_[k].part * safe_norm(seen_[k].value - fine_[k].value);
         if (!(value > largest[k])) continue;
         largest[k] = value;
         differences_.push_back({last_, value, static_cast<int>(k), is_shared});

@@ -54,10 +54,16 @@ RBDYN_INLINE bool AccuracyCheck::is_graze(const std::vector<Event>& events, std:
 RBDYN_INLINE bool AccuracyCheck::is_last_bounce(const Event& event, const std::vector<double>& limits, double start,
                                                 double near) {
     if (event.contact < 0) return false;
-    if (event.kind != EventKind::impact && event.kind != EventKind::land && event.kind != EventKind::detach)
+    const bool is_limit = event.kind == EventKind::accumulation;
+    if (!is_limit && event.kind != EventKind::impact && event.kind != EventKind::land &&
+        event.kind != EventKind::detach)
         return false;
-    const auto limit = std::ranges::lower_bound(limits, event.time);
-    return limit != limits.end() && *limit - event.time <= near * (event.time - start);
+    // in corners bounces on one surface that end are followed by less on another, which end, too
+    const auto limit =
+        is_limit ? std::ranges::upper_bound(limits, event.time) : std::ranges::lower_bound(limits, event.time);
+    // however late the motion begins
+    const double time = std::max(event.time - start, std::abs(event.time));
+    return limit != limits.end() && *limit - event.time <= near * time;
 }
 
 RBDYN_INLINE void AccuracyCheck::skip_graze(const std::vector<Event>& ours, std::size_t& i, Comparison& result) {

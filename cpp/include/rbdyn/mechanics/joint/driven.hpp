@@ -18,6 +18,7 @@ struct DrivenLaw : Held {
     Vector3Of<DoubleDouble> axis{};
     bool turns = true;
     TimeFunction way, rate;  // of time: the coordinate, and its rate
+    double ahead = 0.0;      // s: the time in its phases, as they were written, of the time (phases.hpp)
 
     template <class S>
     Moving<S> move(const Moving<S>& parent, const S& t) const {

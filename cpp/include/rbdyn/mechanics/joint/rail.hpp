@@ -23,6 +23,7 @@ struct RailLaw : Held {
     static constexpr int positions = 1, velocities = 1;
     std::optional<Curve> curve;
     RigidMotion motion;  // of the rail itself
+    double ahead = 0.0;  // s: the time in its phases, as they were written, of the time (phases.hpp)
 
     template <class S>
     Moving<S> move(const Moving<S>& parent, const S& t, const S* q, const S* v) const {
