@@ -433,3 +433,17 @@ def test_one_velocity_that_gains_nothing_is_taken_as_it_is(thrown, kicked):
     told = thrown.told(kicked=kicked)
     assert not isinstance(told, str), told
     np.testing.assert_allclose(told, after, rtol=0, atol=1e-12)
+
+
+def test_all_contacts_that_share_what_is_not_unique_are_named():
+    """A table that slides while it turns: how its four feet share its weight changes the motion. One was named."""
+    scene = rb.Scene(gravity=[0, 0, -9.81])
+    table = scene.add(
+        rb.RigidBody(2.0, [0.1, 0.12, 0.15]), position=[0, 0, 0.3], velocity=[1, 0.2, 0], angular_velocity=[0, 0, 2.0]
+    )
+    for x, y in ((0.4, 0.3), (-0.4, 0.3), (-0.4, -0.3), (0.4, -0.3)):
+        scene.contact(table.point([x, y, -0.3]), rb.Plane([0, 0, 1]), friction=rb.Coulomb(0.3))
+    other = scene.add(rb.Particle(1.0), position=[5, 0, 0])
+    scene.contact(other, rb.Plane([0, 0, 1]), friction=rb.Coulomb(0.3))
+    with pytest.raises(rb.IntegrationError, match="of contact 1, contact 2, contact 3, contact 4[.]"):
+        rb.simulate(scene, until=0.3)

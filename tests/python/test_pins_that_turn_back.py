@@ -142,3 +142,20 @@ def test_a_pin_that_friction_holds_at_the_dead_point_lets_the_tip_rise_from_rest
     angles = np.array([run[first].angle(times), run[first].angle(times) + run[second].angle(times)])
     gaps = 1.8 - np.sin(angles).sum(axis=0)
     assert gaps[1] / gaps[0] == pytest.approx(16, rel=0.2) and list(run.events) == []
+
+
+@pytest.mark.parametrize("beside", [-3, -1, 0, 1, 2])
+def test_rounding_of_the_dead_point_brings_the_tip_nowhere(beside):
+    """Beside it by units in the last place the tip would pass the lowest place of its circle first, 1e-32 m lower: the
+    contact that had opened was struck again without end."""
+    masses, pins = (
+        (1.76878516, 1.49822687),
+        [(1.625844562908, 1.2148289018, 0.0507712289), (3.3513527934, 2.4423, 0.0776)],
+    )
+    angles, rates = start(1.8837999131, 0.0, 0.0, 1)
+    given = masses, pins, 1.8837999131, 0.0, (angles + beside * 2.0**-52, rates)
+    scene, (first, second) = linkage(*given)
+    run = rb.simulate(scene, until=0.3, error=1e-9)
+    assert run.end == 0.3 and [e.kind for e in run.events] == []
+    both = run[first].angle(0.2), run[first].angle(0.2) + run[second].angle(0.2)
+    assert run[second].rate(0.2) == 0 and 1.8837999131 - np.sin(both).sum() > 1e-5

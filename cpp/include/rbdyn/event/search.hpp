@@ -153,6 +153,8 @@ private:
     bool begins_touching(const Mode& mode, const Guard& guard, bool fresh) const;
     /// How many of the first coefficients of such a gap are zero: it goes by the first one that is not.
     int zeros_of_gap(const Mode& mode, const Guard& guard);
+    /// Whether a gap, q on the piece, begins at zero without a rate or an acceleration, by their terms.
+    bool begins_level(const Mode& mode, const Guard& guard, const series::Coefficients& q);
 
     // --- gaps lower than their rounding in doubles (search_low.ipp) ---
 

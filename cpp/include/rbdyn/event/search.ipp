@@ -446,7 +446,8 @@ RBDYN_INLINE void EventSearch::seek(const Mode& mode, const std::vector<Guard>& 
         arrival.at_zero = q[0] == 0.0;
     }
     int zeros = 0;
-    if (arrival.at_zero && begins_touching(mode, guard, fresh)) {
+    if (begins_touching(mode, guard, fresh) && (arrival.at_zero || begins_level(mode, guard, q))) {
+        arrival.at_zero = true;
         zeros = zeros_of_gap(mode, guard);
         std::fill_n(q.begin(), std::min(zeros, degree_ + 1), 0.0);
     }

@@ -41,6 +41,14 @@ RBDYN_INLINE int EventSearch::zeros_of_gap(const Mode& mode, const Guard& guard)
         .order;
 }
 
+RBDYN_INLINE bool EventSearch::begins_level(const Mode& mode, const Guard& guard, const series::Coefficients& q) {
+    double later = 0.0;
+    for (int k = 3; k <= degree_; ++k) later = std::max(later, std::abs(q[static_cast<std::size_t>(k)]));
+    return guard.output >= 0 && std::abs(q[0]) + std::abs(q[1]) + std::abs(q[2]) <= 0x1p-10 * later &&
+           begins_at_zero(mode, guard, 8.0 * epsilon) &&
+           leading_term(mode, engine_.piece().start.hi, state_of_piece(0.0), guard.output, 1).order > 2;
+}
+
 RBDYN_INLINE double EventSearch::fine_value(const Mode& mode, const Guard& guard, double tau) {
     if (fine_for_ != mode.equations) {
         fine_ = std::make_unique<Evaluator<DoubleDouble>>(mode.equations->program);

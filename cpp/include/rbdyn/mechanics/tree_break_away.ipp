@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <span>
 #include <utility>
 #include <vector>
@@ -288,6 +289,29 @@ RBDYN_INLINE std::vector<bool> TreeModel::begin_to_slide(const Mode& mode, Touch
     return begins;
 }
 
+RBDYN_INLINE std::vector<int> TreeModel::sharing_with(int contact, const std::vector<int>& of,
+                                                      const std::vector<int>& rows,
+                                                      const std::vector<mechanics::Moving<double>>& all) const {
+    std::vector<int> result;
+    for (const int k : of) {
+        const auto is_own = [&](int row) {
+            bool is = row == conditions_->normal_row(k);
+            for (int axis = 0; axis < 3; ++axis) is = is || row == conditions_->held_row(k, axis);
+            return is;
+        };
+        std::vector<int> others;
+        std::ranges::copy_if(rows, std::back_inserter(others), [&](int row) { return !is_own(row); });
+        const std::size_t first = others.size();
+        others.push_back(conditions_->normal_row(contact));
+        // without what it shares a load with it has one of its own
+        const bool shares =
+            first < rows.size() &&
+            mechanics::independent_rows(*tree_, *conditions_, others, all, first).size() == others.size();
+        if (k == contact || shares) result.push_back(k);
+    }
+    return result;
+}
+
 RBDYN_INLINE bool TreeModel::take(const Mode& before, Mode& mode, double t, Touched& touched,
                                   const mechanics::ConeForces& found, const std::vector<double>& b,
                                   const std::vector<double>& noise, const std::vector<int>& breaking,
@@ -355,7 +379,7 @@ RBDYN_INLINE bool TreeModel::take(const Mode& before, Mode& mode, double t, Touc
         } else if (slides(mode.slip[at(k)]) && !is_chosen(conditions_->normal_row(k))) {
             // one of many forces that give this motion, if its friction does what that of the others would
             if (!makes_no_difference(mode, touched, i, chosen)) {
-                mode.impossible = not_unique({k});
+                mode.impossible = not_unique(sharing_with(k, candidates, chosen, all));
                 return false;
             }
             mode.slip[at(k)] = mechanics::contact_state::given(mode.slip[at(k)]);

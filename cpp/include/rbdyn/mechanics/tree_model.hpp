@@ -252,6 +252,9 @@ private:
     /// Why contacts have no forces, or impulses, in words.
     std::string no_forces(const std::string& what, const std::vector<int>& of) const;
     /// That the forces of these contacts are one choice of many, on which the motion depends.
+    /// Of some contacts that one itself, whose row depends on those chosen, and those on which it does.
+    std::vector<int> sharing_with(int contact, const std::vector<int>& of, const std::vector<int>& rows,
+                                  const std::vector<mechanics::Moving<double>>& all) const;
     std::string not_unique(const std::vector<int>& of) const;
     std::string names_of(const std::vector<int>& of) const;
     /// That the motion depends on which of many impulses there are, in words: of contacts whose impulses `others`

@@ -143,11 +143,12 @@ RBDYN_INLINE void TreeModel::Encounter::list(std::span<const int> fired) {
                 .push_back(k);
         }
         const bool is_closed = mode.slip[at(k)] != flies, has_fired = events.has(k);
-        // what comes to its surface at this very instant strikes with the others
-        const bool is_there = !has_fired && is_open(k) && comes_now(k);
+        // what comes to its surface at this very instant strikes with the others;
+        // what a joint has held over it touches as well, and strikes nothing with the rounding of a speed
+        const bool is_near = !model.joints_.empty() && is_open(k) && is_close(k) && is_slow(k),
+                   is_still = is_near && std::abs(rate(all, k)) <= 1e-14 * model.speed_of(k, all),
+                   is_there = !has_fired && is_open(k) && !is_still && comes_now(k);
         if (is_there) events.landing.push_back(k);
-        // what a joint has held over it touches as well
-        const bool is_near = !model.joints_.empty() && is_open(k) && is_close(k) && is_slow(k);
         if (is_closed || has_fired || is_there || is_near) closed.push_back(k);
     }
     // what was thrown back at this very instant has not come again, where something else happens
