@@ -21,11 +21,10 @@ namespace rbdyn::inline RBDYN_FORM {
 
 namespace phases {
 
-/// A phase as slope (x - from) + offset; x: the node below all sums and products with constants.
+/// A phase as slope x + offset; x: the node below all sums and products with constants.
 struct Line {
     std::int32_t x;
     DoubleDouble slope = 1.0, offset = 0.0;
-    double from = 0.0;
 };
 
 inline Line line(const Function& f, std::int32_t phase) {
@@ -50,7 +49,7 @@ inline constexpr double most = 1e15;
 
 }  // namespace phases
 
-RBDYN_INLINE SmallPhases small_phases(const Function& f, double start) {
+RBDYN_INLINE SmallPhases small_phases(const Function& f) {
     SmallPhases result{f};
     if (!f) return result;
     std::vector<phases::Line> lines;
@@ -59,14 +58,9 @@ RBDYN_INLINE SmallPhases small_phases(const Function& f, double start) {
         const Node& node = f.node(n);
         if (node.operation != Operation::sine && node.operation != Operation::cosine) continue;
         phases::Line line = phases::line(f, node.a);
-        const auto is_large = [](const DoubleDouble& offset) { return std::abs(offset.hi) > double_double::pi.hi; };
-        if (!is_large(line.offset) || line.slope.hi == 0.0) continue;
-        if (f.node(line.x).operation == Operation::input) {
-            line.from = start;
-            line.offset = line.offset + line.slope * start;
-        }
-        if (!is_large(line.offset) || std::abs(line.offset.hi) > phases::most) continue;
-        result.ahead = std::max(result.ahead, std::abs(line.offset.hi / line.slope.hi));
+        const double written = std::abs(line.offset.hi);
+        if (!(written > double_double::pi.hi && written <= phases::most) || line.slope.hi == 0.0) continue;
+        result.ahead = std::max(result.ahead, written / std::abs(line.slope.hi));
         const DoubleDouble turn = double_double::pi * 2.0;
         line.offset = line.offset - turn * std::round((line.offset / turn).hi);
         line_of[static_cast<std::size_t>(n)] = static_cast<std::int32_t>(lines.size());
@@ -78,8 +72,7 @@ RBDYN_INLINE SmallPhases small_phases(const Function& f, double start) {
         if (index < 0) return std::nullopt;
         const phases::Line& line = lines[static_cast<std::size_t>(index)];
         const Expression slope = line.slope.lo == 0.0 ? Expression(line.slope.hi) : Expression(line.slope);
-        const Expression x = y[static_cast<std::size_t>(line.x)] - Expression(line.from);
-        const Expression phase = slope * x + Expression(line.offset);
+        const Expression phase = slope * y[static_cast<std::size_t>(line.x)] + Expression(line.offset);
         return f.node(n).operation == Operation::sine ? sin(phase) : cos(phase);
     });
     return result;

@@ -27,17 +27,17 @@ namespace laws {
 
 using Wide = Vector3Of<DoubleDouble>;
 
-/// The law of a joint; `body`: the one it holds; `start` [s]: when the motion begins.
-inline JointLaw of(const Free&, const Scene::Body& body, double) {
+/// The law of a joint; `body`: the one it holds.
+inline JointLaw of(const Free&, const Scene::Body& body) {
     if (body.rigid() == nullptr) return FreePointLaw{};
     FreeBodyLaw law;
     law.point = body.rigid()->exact().com;
     return law;
 }
-inline JointLaw of(const Rail& rail, const Scene::Body&, double start) {
+inline JointLaw of(const Rail& rail, const Scene::Body&) {
     const auto put = [&]<class Law>(Law law) {
         law.curve = rail.curve();
-        const SmallPhases motion = small_phases(rail.motion().function(), start);
+        const SmallPhases motion = small_phases(rail.motion().function());
         law.motion = motion.ahead > 0.0 ? RigidMotion(motion.function) : rail.motion();
         law.ahead = motion.ahead;
         return law;
@@ -47,7 +47,7 @@ inline JointLaw of(const Rail& rail, const Scene::Body&, double start) {
     law.releases = rail.ends() == RailEnds::release;
     return law;
 }
-inline JointLaw of(const Spherical& joint, const Scene::Body&, double) {
+inline JointLaw of(const Spherical& joint, const Scene::Body&) {
     SphericalLaw law;
     law.offset = widened(joint.at);
     law.point = widened(joint.point);
@@ -62,26 +62,26 @@ JointLaw along_axis(const J& joint) {
     return law;
 }
 template <class J>
-JointLaw driven(const J& joint, bool turns, double start) {
+JointLaw driven(const J& joint, bool turns) {
     DrivenLaw law;
     law.offset = widened(joint.at);
     law.point = widened(joint.point);
     law.axis = unit(joint.axis);
     law.turns = turns;
-    const SmallPhases motion = small_phases(joint.motion->function(), start);
+    const SmallPhases motion = small_phases(joint.motion->function());
     law.way = motion.ahead > 0.0 ? TimeFunction(motion.function) : *joint.motion;
     law.rate = law.way.is_constant() ? TimeFunction() : TimeFunction(law.way.function().derivative(0));
     law.ahead = motion.ahead;
     return law;
 }
-inline JointLaw of(const Revolute& joint, const Scene::Body&, double start) {
-    return joint.motion ? driven(joint, true, start) : along_axis<RevoluteLaw>(joint);
+inline JointLaw of(const Revolute& joint, const Scene::Body&) {
+    return joint.motion ? driven(joint, true) : along_axis<RevoluteLaw>(joint);
 }
-inline JointLaw of(const Prismatic& joint, const Scene::Body&, double start) {
-    return joint.motion ? driven(joint, false, start) : along_axis<PrismaticLaw>(joint);
+inline JointLaw of(const Prismatic& joint, const Scene::Body&) {
+    return joint.motion ? driven(joint, false) : along_axis<PrismaticLaw>(joint);
 }
-inline JointLaw of(const Cylindrical& joint, const Scene::Body&, double) { return along_axis<CylindricalLaw>(joint); }
-inline JointLaw of(const Universal& joint, const Scene::Body&, double) {
+inline JointLaw of(const Cylindrical& joint, const Scene::Body&) { return along_axis<CylindricalLaw>(joint); }
+inline JointLaw of(const Universal& joint, const Scene::Body&) {
     UniversalLaw law;
     law.offset = widened(joint.at);
     law.point = widened(joint.point);
@@ -89,7 +89,7 @@ inline JointLaw of(const Universal& joint, const Scene::Body&, double) {
     law.second = unit_across(joint.second, law.first);
     return law;
 }
-inline JointLaw of(const Planar& joint, const Scene::Body&, double) {
+inline JointLaw of(const Planar& joint, const Scene::Body&) {
     PlanarLaw law;
     law.offset = widened(joint.at);
     law.x = unit(joint.x);
@@ -97,7 +97,7 @@ inline JointLaw of(const Planar& joint, const Scene::Body&, double) {
     law.normal = cross<DoubleDouble>(law.x, law.y);
     return law;
 }
-inline JointLaw of(const Fixed& joint, const Scene::Body&, double) {
+inline JointLaw of(const Fixed& joint, const Scene::Body&) {
     FixedLaw law;
     law.offset = widened(joint.at);
     law.point = widened(joint.point);
@@ -114,7 +114,7 @@ RBDYN_INLINE Tree::Tree(const Scene& scene, const std::vector<int>& flying, Bead
         const bool is_free = std::holds_alternative<Free>(b.joint);
         // nothing joins a free body to a parent: it is one without
         n.parent = is_free ? -1 : b.parent;
-        n.joint = std::visit([&](const auto& joint) { return laws::of(joint, b, scene.origin()); }, b.joint);
+        n.joint = std::visit([&](const auto& joint) { return laws::of(joint, b); }, b.joint);
         if (const LooseRailLaw* loose = n.joint.as<LooseRailLaw>(); loose != nullptr && beads == Beads::stay)
             n.joint = static_cast<const RailLaw&>(*loose);
         if (std::find(flying.begin(), flying.end(), size()) != flying.end()) {

@@ -298,7 +298,7 @@ private:
     // --- what comes to rest (tree_rest.ipp) ---
 
     /// Whether a body that touches surfaces is at rest on all of them, and stays so, but for rounding.
-    bool is_at_rest(const Mode& mode, int body, const mechanics::TreeState& state) const;
+    bool is_at_rest(const Mode& mode, int body, double t, const mechanics::TreeState& state) const;
     /// Where in a mode it is said that all bodies stand still (1) or not (0); of scenes with contacts.
     std::size_t place_of_standing() const { return at(first_loose()); }
     bool is_standing(const Mode& mode) const { return contacts() > 0 && mode.slip[place_of_standing()] != 0; }

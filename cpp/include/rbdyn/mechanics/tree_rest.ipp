@@ -24,7 +24,7 @@
 
 namespace rbdyn::inline RBDYN_FORM {
 
-RBDYN_INLINE bool TreeModel::is_at_rest(const Mode& mode, int body, const mechanics::TreeState& state) const {
+RBDYN_INLINE bool TreeModel::is_at_rest(const Mode& mode, int body, double t, const mechanics::TreeState& state) const {
     // of accelerations, and of the speeds that forces make: what is held has those of velocities alone
     constexpr double rounding = 1e-11, slow = 1e-14;
     const double mass = static_cast<double>(tree_->node(body).mass);
@@ -43,7 +43,7 @@ RBDYN_INLINE bool TreeModel::is_at_rest(const Mode& mode, int body, const mechan
         if (is_rough(k) && !mechanics::contact_state::is_held(mode.slip[at(k)])) return false;
         const auto touching = c.touching<double>(*tree_, state.moving);
         Vector3 turns = touching.turning, turn_rate = Vector3::Zero(), acceleration = Vector3::Zero();
-        double quickest = 0.0;  // of the accelerations that this is a difference of
+        double quickest = 0.0, whirl = 0.0;  // of the accelerations that this is a difference of, and of what turns
         const auto take = [&](int i, const Vector3& arm, double sign) {
             if (i < 0) return;
             const mechanics::TreeState::Body& b = state.bodies[at(i)];
@@ -53,6 +53,7 @@ RBDYN_INLINE bool TreeModel::is_at_rest(const Mode& mode, int body, const mechan
             turn_rate += sign * b.angular_acceleration;
             acceleration += sign * own;
             quickest = std::max(quickest, own.norm());
+            whirl = std::max(whirl, omega.norm());
         };
         take(touching.a, touching.arm_a, 1.0);
         take(touching.b, touching.arm_b, -1.0);
@@ -61,11 +62,13 @@ RBDYN_INLINE bool TreeModel::is_at_rest(const Mode& mode, int body, const mechan
         const double size = size_of(k, state.moving),
                      force = state.bodies[at(body)].effort.force.norm() +
                              mass * mechanics::speed_rounding(speed_of(k, state.moving), size);
-        if (mass * acceleration.norm() * size + inertia(turn_rate).norm() > rounding * force * size) return false;
-        // a difference of speeds, known where surfaces are driven as far as the time is
-        const double late = is_driven() && std::isfinite(mode.memory[0]) ? std::abs(mode.memory[0]) : 0.0,
-                     carried = 64.0 * epsilon * (speed_of(k, state.moving) + quickest * late),
+        // a difference of speeds is known, where surfaces are driven, as far as the time is, and what turns turns it
+        const double drift = is_driven() ? 64.0 * epsilon * std::abs(t) * quickest : 0.0,
+                     carried = 64.0 * epsilon * speed_of(k, state.moving) + drift,
                      kinetic = mass * touching.velocity.squaredNorm() + turns.dot(inertia(turns));
+        if (mass * acceleration.norm() * size + inertia(turn_rate).norm() >
+            (rounding * force + mass * whirl * drift) * size)
+            return false;
         if (kinetic > slow * slow * force * size + mass * carried * carried) return false;
     }
     return touches;
@@ -198,7 +201,7 @@ RBDYN_INLINE void TreeModel::tell_rest(const Mode& mode, std::span<const double>
     if (candidates.empty()) return;
     const mechanics::TreeState there = look(mode, t, was), here = look(after, t, x);
     for (const int i : candidates)
-        if (is_at_rest(after, i, here) && !is_at_rest(mode, i, there))
+        if (is_at_rest(after, i, t, here) && !is_at_rest(mode, i, t, there))
             happenings.push_back({EventKind::rest, i, Direction::either, {}});
 }
 
