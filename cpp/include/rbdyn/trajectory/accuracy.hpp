@@ -92,6 +92,9 @@ private:
     /// What is seen of both.
     void compare_at(const Place& place, const Record& run, const Record& better);
 
+    /// x_ by a time [s] along the motion of a piece, at a place where it is y_.
+    void move_on(const Piece& piece, double place, double time);
+
     /// A closed form that has no pieces.
     static bool is_formula(const Record& r) { return r.empty() && r.closed != nullptr; }
 

@@ -69,8 +69,11 @@ RBDYN_INLINE Comparison AccuracyCheck::operator()(const Record& run, const Recor
         while (differ(ours, i, theirs, j) && is_last(theirs, j, their_limits)) ++j;
         if (differ(ours, i, theirs, j)) break;
         const Event &a = ours[i], &b = theirs[j];
-        const double error = std::abs(a.instant - b.instant) /
-                             std::max(b.instant - Instant{start, 0.0}, std::numeric_limits<double>::min());
+        // a time is told to the nearest double, however late the motion begins
+        const double rounding = 0.5 * (std::nextafter(std::abs(b.time), std::numeric_limits<double>::infinity()) -
+                                       std::abs(b.time)),
+                     error = std::max(std::abs(a.instant - b.instant), rounding) /
+                             std::max({b.instant - Instant{start, 0.0}, rounding, std::numeric_limits<double>::min()});
         differences_.push_back({a.time, std::max(error, a.unsure), -1});
         if (StrikeOfTwo::is_one(a)) strikes.push_back({&a, &b});
         ++alike;
@@ -323,11 +326,22 @@ RBDYN_INLINE void AccuracyCheck::compare_at(const Place& place, const Record& ru
     if (sample % (sample < 8 ? 2 : 8) == 0) {
         x_ = y_;
         for (double& x : x_) x = std::nextafter(x, 2.0 * x);
+        // and the rounding of the time at which forces are taken, where they depend on it
+        if (!is_formula(better) && fine_mode.equations != nullptr && fine_mode.equations->program.uses_time())
+            move_on(better.piece(place.fine_piece), place.there, std::numeric_limits<double>::epsilon() * at.hi);
         model_.observe(fine_mode, at.hi, x_, seen_);
         leave_out_rounding(nearer);
         note(0.5, true, has_forces);
     }
     last_ = at.hi;
+}
+
+RBDYN_INLINE void AccuracyCheck::move_on(const Piece& piece, double place, double time) {
+    const double part = 1e-6 * piece.length, there = place < 0.5 * piece.length ? place + part : place - part;
+    if (!(part > 0.0)) return;
+    std::vector<double> then(y_.size());
+    piece.state(there, then);
+    for (std::size_t i = 0; i < then.size(); ++i) x_[i] += time / piece.unit * (then[i] - y_[i]) / (there - place);
 }
 
 RBDYN_INLINE bool AccuracyCheck::ends_at_once(const Record& run, std::size_t piece, Instant at) const {
