@@ -270,7 +270,9 @@ def on_a_driven_table(seed, start, is_plain, turns, feet):
     friction = rb.Coulomb(1.1 * mu, mu)
     if feet:
         spin = [0, 0, 1.0]
-        body = scene.add(rb.RigidBody(1.0, [0.01] * 3), [0.3, 0, 0.02], velocity=[*velocity, 0], angular_velocity=spin)
+        body = scene.add(
+            rb.RigidBody(1.0, [0.01] * 3), position=[0.3, 0, 0.02], velocity=[*velocity, 0], angular_velocity=spin
+        )
         for x, y in [(0.1, 0.1), (-0.1, 0.1), (0, -0.1)]:
             scene.contact(body.point([x, y, -0.02]), table.plane([0, 0, 1]), friction=friction)
     else:

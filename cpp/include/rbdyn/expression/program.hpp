@@ -99,6 +99,8 @@ public:
     int states() const { return states_; }  // integers an evaluation keeps (valuations of norms)
     bool uses_time() const { return uses_time_; }
     int time_slot() const { return inputs_; }
+    /// Whether a slot is a function of time alone.
+    bool is_of_time(int slot) const { return uses_time_ && of_time_[static_cast<std::size_t>(slot)]; }
     int output(int index) const { return output_slots_[static_cast<std::size_t>(index)]; }
     const std::vector<Switch>& switches() const { return switches_; }
     int switch_output(int index) const { return output(outputs_ + index); }
@@ -155,7 +157,8 @@ private:
     int inputs_ = 0, outputs_ = 0, parameters_ = 0, slots_ = 0, states_ = 0;
     bool uses_time_ = false;
     std::vector<Instruction> instructions_;
-    std::vector<int> maker_;  // by slot
+    std::vector<int> maker_;     // by slot
+    std::vector<bool> of_time_;  // by slot; none where no time is used
     std::vector<Term> terms_;
     std::vector<ProductTerm> products_;
     std::vector<int> output_slots_;
@@ -202,6 +205,9 @@ private:
     void mark(const std::vector<Expression>& outputs);
 
     int uses(std::int32_t n) const;
+
+    /// Tells which slots are functions of time alone.
+    void mark_times();
 
     int new_slot() { return p_.slots_++; }
 

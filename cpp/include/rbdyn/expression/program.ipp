@@ -19,6 +19,7 @@
 #include "rbdyn/expression/elementary.hpp"
 #include "rbdyn/expression/expression.hpp"
 #include "rbdyn/expression/node.hpp"
+#include "rbdyn/expression/operands.hpp"
 #include "rbdyn/expression/recorder.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
@@ -56,6 +57,17 @@ RBDYN_INLINE void Lowering::run(std::span<const Expression> outputs) {
     p_.maker_.assign(static_cast<std::size_t>(p_.slots_), -1);
     for (std::size_t k = 0; k < p_.instructions_.size(); ++k)
         p_.maker_[static_cast<std::size_t>(p_.instructions_[k].out)] = static_cast<int>(k);
+    if (p_.uses_time_) mark_times();
+}
+
+RBDYN_INLINE void Lowering::mark_times() {
+    p_.of_time_.assign(static_cast<std::size_t>(p_.slots_), false);
+    p_.of_time_[static_cast<std::size_t>(p_.time_slot())] = true;
+    for (const Instruction& i : p_.instructions_) {
+        bool is_of_time = true;
+        operands::reads(p_, i, [&](int slot) { is_of_time = is_of_time && p_.is_of_time(slot); });
+        operands::writes(p_, i, [&](int slot) { p_.of_time_[static_cast<std::size_t>(slot)] = is_of_time; });
+    }
 }
 
 RBDYN_INLINE int Lowering::ByNode::operator[](std::int32_t n) const {

@@ -3,7 +3,8 @@
 //
 // To first order, an operation passes on the sizes of its operands by its derivatives (Higham, Accuracy and Stability
 // of Numerical Algorithms, 3.3), a few operations deep; from there on a coefficient is as large as its terms. A state
-// variable's coefficients are those of its rate.
+// variable's coefficients are those of its rate. Time is known to epsilon t: what is a function of time alone is known
+// to that times its rate, however many operations it takes, and t - start too, which loses nothing in doubles.
 #pragma once
 
 #include <array>
@@ -38,6 +39,9 @@ private:
 
     double first(int slot) const { return series_.coefficients(slot)[0]; }
     Sizes own(int slot) const;
+
+    /// Of a function of time alone: at least t times those of its rate.
+    void allow_for_time(int slot, Sizes& s) const;
 
     /// sum += weight * |a| * |b|, as series.
     void add_product(Sizes& sum, double weight, const Sizes& a, const Sizes& b) const;

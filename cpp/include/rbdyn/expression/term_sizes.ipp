@@ -25,6 +25,13 @@ RBDYN_INLINE TermSizes::Sizes TermSizes::own(int slot) const {
     return s;
 }
 
+RBDYN_INLINE void TermSizes::allow_for_time(int slot, Sizes& s) const {
+    if (!program_.is_of_time(slot)) return;
+    const double late = std::abs(first(program_.time_slot())) / series_.unit();
+    const double* c = series_.coefficients(slot);
+    for (int k = 0; k < order_; ++k) s[at(k)] = std::max(s[at(k)], late * (k + 1) * std::abs(c[k + 1]));
+}
+
 RBDYN_INLINE void TermSizes::add_product(Sizes& sum, double weight, const Sizes& a, const Sizes& b) const {
     for (int k = 0; k <= order_; ++k)
         for (int j = 0; j <= k; ++j) sum[at(k)] += weight * a[at(j)] * b[at(k - j)];
@@ -34,7 +41,10 @@ RBDYN_INLINE TermSizes::Sizes TermSizes::sizes(int slot, int deep) {
     for (const auto& [done, s] : known_)
         if (done == slot) return s;
     Sizes s = own(slot);
-    if (deep == 0) return s;
+    if (deep == 0) {
+        allow_for_time(slot, s);
+        return s;
+    }
     // what a rate depends on by itself is as large as it is
     const std::size_t place = known_.size();
     known_.emplace_back(slot, s);
@@ -49,6 +59,7 @@ RBDYN_INLINE TermSizes::Sizes TermSizes::sizes(int slot, int deep) {
                 break;
             }
     }
+    allow_for_time(slot, s);
     known_[place].second = s;
     return s;
 }
