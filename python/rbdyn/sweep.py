@@ -64,6 +64,11 @@ def simulate_many(
         raise InvalidInput(f"simulate_many: threads is {threads!r}; it is positive, or None for one a processor")
     if threads is not None and executor is not None:
         raise InvalidInput("simulate_many: both threads and executor are given; one of them says where members run")
+    if executor is not None and not callable(getattr(executor, "submit", None)):
+        raise InvalidInput(
+            f"simulate_many: executor is {executor!r}; it is one of concurrent.futures, as "
+            "in ProcessPoolExecutor(4), or what else has its submit()"
+        )
     options = {
         "start": start,
         "error": error,

@@ -354,6 +354,7 @@ def test_what_breaks_a_rule_is_refused_before_anything_runs():
         ({"error": 1e-9, "rtol": 1e-9}, "both error"),
         ({"progress": 3}, "progress is 3"),
         ({"lanes": 4}, "lanes is 4; it is True or False"),
+        ({"executor": 3}, "executor is 3; it is one of concurrent.futures"),
     ):
         with pytest.raises(rb.InvalidInput, match=message):
             rb.simulate_many(scene, {k: [1.0]}, **{"until": 1.0, **options})

@@ -50,6 +50,10 @@ struct Rubbing {
         const std::size_t n = joints.size();
         Answer answer{std::vector<double>(n, 0.0), std::vector<double>(n, 0.0), load, false};
         std::vector<std::array<double, 2>> along(n);
+        // friction in units in which rows of what is held and of what slides are of one size, whatever those of a scene
+        std::vector<double> unit;
+        for (std::size_t i = 0; i < n; ++i)
+            unit.push_back(matrix[i][i] > 0.0 ? std::ldexp(1.0, -(std::ilogb(matrix[i][i]) / 2)) : 1.0);
         for (int pass = 0; pass < 60 && !answer.is_solved; ++pass) {
             double turned = 0.0;
             for (std::size_t i = 0; i < n; ++i) {
@@ -67,13 +71,18 @@ struct Rubbing {
                 // what has no joint has no friction
                 const double k =
                     sign[i] == gone ? 0.0 : static_cast<double>(sign[i]) * joints[i].mu_dynamic * joints[i].radius;
-                b[i] = sign[i] == 0 ? -acceleration[i] : -k * (along[i][0] * load[i][0] + along[i][1] * load[i][1]);
-                for (std::size_t j = 0; j < n; ++j)
+                const double row = sign[i] == 0 ? unit[i] : 1.0 / unit[i];
+                b[i] = sign[i] == 0 ? -row * acceleration[i]
+                                    : -row * k * (along[i][0] * load[i][0] + along[i][1] * load[i][1]);
+                for (std::size_t j = 0; j < n; ++j) {
                     m[i][j] = sign[i] == 0
                                   ? matrix[i][j]
                                   : (i == j ? 1.0 : 0.0) + k * (along[i][0] * by[i][j][0] + along[i][1] * by[i][j][1]);
+                    m[i][j] *= row * unit[j];
+                }
             }
             answer.friction = mechanics::solve_any(m, b);
+            for (std::size_t i = 0; i < n; ++i) answer.friction[i] *= unit[i];
             for (std::size_t i = 0; i < n; ++i) {
                 answer.load[i] = load[i];
                 answer.acceleration[i] = acceleration[i];
