@@ -165,40 +165,44 @@ def test_a_floor_shaken_for_long_does_the_same(a, w, until, start, e):
     assert np.array(told_ends) - off == pytest.approx(ends, rel=2e-9, abs=64 * math.ulp(start))
 
 
-def since(a, w, phase, start):
-    """A drive that counts its time from `start`, and the same one counted from zero."""
-    here = beyond_turns(-start, w) + phase
-    return lambda t: a * np.sin(w * (t - start) + phase), lambda t: a * np.sin(w * t + here)
+def to_and_fro(w, phase, start, is_plain):
+    """sin(w (t - start) + phase), as it stands or as sin(w t + c)."""
+    c = beyond_turns(-start, w) + phase
+    return (lambda t: np.sin(w * t + c)) if is_plain else (lambda t: np.sin(w * (t - start) + phase))
 
 
-def bouncing_along(seed, start, axis, is_plain):
+SHAPES = {
+    "sine": lambda s: s,
+    "tanh": lambda s: np.tanh(2 * s),
+    "exp": np.exp,
+    "square": lambda s: s + 0.3 * s**2,
+    "sine of a sine": lambda s: np.sin(1.3 * s + 1.0),
+}
+
+
+def bouncing_along(seed, start, shape, is_plain):
     """On a rough table that goes to and fro, and up and down."""
     g = np.random.default_rng([79, seed])
-    w = g.uniform(4, 20)
-    a, mu, v, e, phase = (
-        g.uniform(0.3, 2.5) * G / w**2,
-        g.uniform(0.1, 0.6),
-        g.normal(size=2),
-        g.uniform(0.1, 0.7),
-        seed,
-    )
+    w, part, mu = g.uniform(4, 20), g.uniform(0.3, 2.5), g.uniform(0.1, 0.6)
+    v, e, phase = 0.5 * g.normal(size=2), g.uniform(0.1, 0.7), g.uniform(0, 6)
+    a, drive = part * G / w**2, to_and_fro(w, phase, start, is_plain)
     scene = rb.Scene(gravity=[0, 0, -G])
-    shaken = rb.Prismatic(axis, motion=since(a, w, phase, start)[is_plain])
+    shaken = rb.Prismatic([0.6, 0, 0.8], motion=lambda t: a * SHAPES[shape](drive(t)))
     table = scene.add(rb.RigidBody(1.0, [1, 1, 1.0]), shaken)
-    body = scene.add(rb.Particle(1.0), position=[0, 0, a + 0.05], velocity=[*v, 0])
+    body = scene.add(rb.Particle(1.0), position=[0, 0, 3 * a + 0.05], velocity=[*v, 0])
     scene.contact(body, table.plane([0, 0, 1]), restitution=e, friction=rb.Coulomb(mu))
     return scene, body
 
 
-@pytest.mark.parametrize("axis", [[0, 0, 1], [0.6, 0, 0.8]])
+@pytest.mark.parametrize("shape", SHAPES)
 @pytest.mark.parametrize("start", [1e3, 1e5])
 @pytest.mark.parametrize("seed", range(8))
-def test_a_table_whose_time_counts_from_the_start_is_the_one_whose_time_does_not(seed, start, axis):
-    """t - start is exact in doubles, and t is not: sizes of rounding that come of the phase were too small (14 of these
-    32 were refused, none of the same ones written as sin(w t + c))."""
+def test_a_table_is_the_same_wherever_its_time_counts_from(seed, start, shape):
+    """t - start is exact in doubles, and t is not; nor is its sine where others are made of it. Sizes of rounding were
+    too small where contacts slip and lift off: 79 of these 160 runs were refused."""
     runs = []
     for at, is_plain in [(0.0, False), (start, False), (start, True)]:
-        scene, body = bouncing_along(seed, at, axis, is_plain)
+        scene, body = bouncing_along(seed, at, shape, is_plain)
         run = rb.simulate(scene, start=at, until=at + 1.5, error=1e-7)
         # which of the last bounces there are is a matter of rounding
         told = [(x.kind, x.time - at) for x in run.events if x.kind != "impact"]

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "rbdyn/mechanics/acceleration_at.hpp"
 #include "rbdyn/mechanics/closure.hpp"
 #include "rbdyn/mechanics/contact_state.hpp"
 #include "rbdyn/mechanics/friction_cones.hpp"
@@ -37,7 +38,12 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
             return acceleration_along(touching.row(axis, Vector3(Vector3::Zero())), slows).first;
         };
         const auto [first, second] = friction::across(touching.normal);
-        return 8.0 * epsilon * std::abs(t) * std::hypot(along(first), along(second));
+        double rate = std::hypot(along(first), along(second));
+        // what a surface is driven with changes by the acceleration of that, however slowly the slip does
+        if (is_driven())
+            rate = std::max({rate, mechanics::acceleration_at(slows, touching.a, touching.arm_a).norm(),
+                             mechanics::acceleration_at(slows, touching.b, touching.arm_b).norm()});
+        return 8.0 * epsilon * std::abs(t) * rate;
     };
     for (const int k : fired.stopping) {
         const auto touching = conditions_->contacts()[at(k)].touching<double>(*tree_, all);

@@ -16,6 +16,7 @@
 
 #include "rbdyn/expression/numbers.hpp"
 #include "rbdyn/expression/recorder.hpp"
+#include "rbdyn/mechanics/acceleration_at.hpp"
 #include "rbdyn/mechanics/contact_state.hpp"
 #include "rbdyn/mechanics/resting.hpp"
 #include "rbdyn/mechanics/speed_rounding.hpp"
@@ -46,14 +47,11 @@ RBDYN_INLINE bool TreeModel::is_at_rest(const Mode& mode, int body, double t, co
         double quickest = 0.0, whirl = 0.0;  // of the accelerations that this is a difference of, and of what turns
         const auto take = [&](int i, const Vector3& arm, double sign) {
             if (i < 0) return;
-            const mechanics::TreeState::Body& b = state.bodies[at(i)];
-            const Vector3& omega = state.moving[at(i)].omega;
-            const Vector3 own =
-                b.origin_acceleration + b.angular_acceleration.cross(arm) + omega.cross(Vector3(omega.cross(arm)));
-            turn_rate += sign * b.angular_acceleration;
+            const Vector3 own = mechanics::acceleration_at(state, i, arm);
+            turn_rate += sign * state.bodies[at(i)].angular_acceleration;
             acceleration += sign * own;
             quickest = std::max(quickest, own.norm());
-            whirl = std::max(whirl, omega.norm());
+            whirl = std::max(whirl, state.moving[at(i)].omega.norm());
         };
         take(touching.a, touching.arm_a, 1.0);
         take(touching.b, touching.arm_b, -1.0);
