@@ -174,4 +174,5 @@ def test_random_scenes_lose_no_event_and_make_none_up():
     count = random_events().tried(200, seed=12)
     assert count.wrong == 0, count.examples[:5]
     assert count.expected > 1000
-    assert sum(count.refused.values()) < 40
+    # among them those whose first event comes so soon that no double tells its time to the error asked for
+    assert sum(count.refused.values()) < 60

@@ -305,12 +305,13 @@ def test_rests_on_driven_tables_are_told_however_their_time_is_written(seed, sta
 @pytest.mark.parametrize("is_plain", [False, True])
 @pytest.mark.parametrize("start", [0.0, 1e3, 1e5])
 def test_what_creeps_on_a_driven_table_is_not_told_at_rest(start, is_plain):
-    """A ball that no longer slips on a table that goes to and fro rolls on, however slowly."""
+    """A ball that no longer slips on a table that goes to and fro rolls on, however slowly. It sticks after 6e-5 s, of
+    which the nearest double at 1e5 s tells 1e-7."""
     scene = rb.Scene(gravity=[0, 0, -G])
     motion = drive(1e-3, 3.0, 0.5 * math.pi, start, is_plain)
     table = scene.add(rb.RigidBody(1.0, [1.0] * 3), rb.Prismatic([1, 0, 0], motion=motion))
     r = 0.1
     body = scene.add(rb.RigidBody(1.0, [0.4 * r * r] * 3), position=[0, 0, r], velocity=[1e-3, 0, 0])
     scene.contact(body.sphere(r), table.plane([0, 0, 1]), friction=rb.Coulomb(0.5))
-    run = rb.simulate(scene, start=start, until=start + 1.0, error=1e-8)
+    run = rb.simulate(scene, start=start, until=start + 1.0, error=1e-6)
     assert [e.kind for e in run.events] == ["stick"]

@@ -158,7 +158,7 @@ def test_a_floor_shaken_for_long_does_the_same(a, w, until, start, e):
     start = 2 * math.pi / w * round(start * w / (2 * math.pi))
     off = start - beyond_turns(start, w) / w
     scene, _ = shaken(a, w, e)
-    run = rb.simulate(scene, start=start, until=start + until, error=1e-8)
+    run = rb.simulate(scene, start=start, until=start + until, error=1e-7)
     lifts, ends = flights(a, w, e, until)
     assert np.array(told(run, {"detach"})) - off == pytest.approx(lifts, rel=2e-9, abs=8 * math.ulp(start))
     told_ends = told(run, {"accumulation"} if e else {"land"})

@@ -35,6 +35,7 @@ struct Rubbing {
     std::vector<std::array<double, 2>> load;  // what presses it then
     std::vector<double> noise, load_size;     // sizes of rounding of friction, sizes of what loads are made of
     mechanics::Square matrix;                 // accelerations by units of friction
+    std::vector<double> alone;                // of each by its own, if nothing closed the tree
     std::vector<std::vector<std::array<double, 2>>> by;
 
     static constexpr int gone = 2;  // in place of a sign: its bead flies
@@ -53,7 +54,7 @@ struct Rubbing {
         // friction in units in which rows of what is held and of what slides are of one size, whatever those of a scene
         std::vector<double> unit;
         for (std::size_t i = 0; i < n; ++i)
-            unit.push_back(matrix[i][i] > 0.0 ? std::ldexp(1.0, -(std::ilogb(matrix[i][i]) / 2)) : 1.0);
+            unit.push_back(alone[i] > 0.0 ? std::ldexp(1.0, -(std::ilogb(alone[i]) / 2)) : 1.0);
         for (int pass = 0; pass < 60 && !answer.is_solved; ++pass) {
             double turned = 0.0;
             for (std::size_t i = 0; i < n; ++i) {
@@ -164,6 +165,7 @@ RBDYN_INLINE void TreeModel::decide_joints(const Mode& before, Mode& mode, doubl
         rubbing.load.push_back(response.across(i, body.reaction.force));
         rubbing.load_size.push_back(body.effort.force.norm());
         rubbing.noise.push_back(1e-14 * (joint.turns ? body.effort.moment.norm() : body.effort.force.norm()));
+        rubbing.alone.push_back(response.alone(i));
         rubbing.matrix.emplace_back();
         rubbing.by.emplace_back();
         for (std::size_t j = 0; j < n; ++j) {
@@ -366,6 +368,7 @@ RBDYN_INLINE void TreeModel::rub_landing(const Mode& mode, double t, std::span<d
         rubbing.load.push_back(response.across(i, pressed));
         rubbing.load_size.push_back(size);
         rubbing.noise.push_back(1e-14 * size * joint.radius);
+        rubbing.alone.push_back(response.alone(i));
         rubbing.matrix.emplace_back();
         rubbing.by.emplace_back();
         for (std::size_t j = 0; j < n; ++j) {

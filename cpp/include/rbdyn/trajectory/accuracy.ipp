@@ -72,7 +72,7 @@ RBDYN_INLINE Comparison AccuracyCheck::operator()(const Record& run, const Recor
         // a time is told to the nearest double, however late the motion begins
         const double rounding = 0.5 * (std::nextafter(std::abs(b.time), std::numeric_limits<double>::infinity()) -
                                        std::abs(b.time)),
-                     error = std::max(std::abs(a.instant - b.instant), rounding) /
+                     error = std::max(std::abs(a.instant - b.instant), rounding / widening_) /
                              std::max({b.instant - Instant{start, 0.0}, rounding, std::numeric_limits<double>::min()});
         differences_.push_back({a.time, std::max(error, a.unsure), -1});
         if (StrikeOfTwo::is_one(a)) strikes.push_back({&a, &b});
@@ -326,12 +326,15 @@ RBDYN_INLINE void AccuracyCheck::compare_at(const Place& place, const Record& ru
     if (sample % (sample < 8 ? 2 : 8) == 0) {
         x_ = y_;
         for (double& x : x_) x = std::nextafter(x, 2.0 * x);
-        // and the rounding of the time at which forces are taken, where they depend on it
-        if (!is_formula(better) && fine_mode.equations != nullptr && fine_mode.equations->program.uses_time())
-            move_on(better.piece(place.fine_piece), place.there, std::numeric_limits<double>::epsilon() * at.hi);
-        model_.observe(fine_mode, at.hi, x_, seen_);
         leave_out_rounding(nearer);
         note(0.5, true, has_forces);
+        // and what the rounding of the time does at which forces are taken, where they depend on it
+        if (!is_formula(better) && fine_mode.equations != nullptr && fine_mode.equations->program.uses_time()) {
+            x_ = y_;
+            move_on(better.piece(place.fine_piece), place.there, std::numeric_limits<double>::epsilon() * at.hi);
+            model_.observe(fine_mode, at.hi, x_, seen_);
+            note(1.0, true, false);
+        }
     }
     last_ = at.hi;
 }
