@@ -326,12 +326,14 @@ RBDYN_INLINE void AccuracyCheck::compare_at(const Place& place, const Record& ru
     if (sample % (sample < 8 ? 2 : 8) == 0) {
         x_ = y_;
         for (double& x : x_) x = std::nextafter(x, 2.0 * x);
+        model_.observe(fine_mode, at.hi, x_, seen_);
         leave_out_rounding(nearer);
         note(0.5, true, has_forces);
-        // and what the rounding of the time does at which forces are taken, where they depend on it
-        if (!is_formula(better) && fine_mode.equations != nullptr && fine_mode.equations->program.uses_time()) {
+        // and where forces depend on time, and it begins late, the rounding of the time at which they are taken
+        if (start_ != 0.0 && !is_formula(better) && fine_mode.equations != nullptr &&
+            fine_mode.equations->program.uses_time()) {
             x_ = y_;
-            move_on(better.piece(place.fine_piece), place.there, std::numeric_limits<double>::epsilon() * at.hi);
+            move_on(better.piece(place.fine_piece), place.there, std::numeric_limits<double>::epsilon() * start_);
             model_.observe(fine_mode, at.hi, x_, seen_);
             note(1.0, true, false);
         }
