@@ -153,21 +153,22 @@ def test_what_comes_to_rest_on_a_shaken_table_does_so_at_any_time(seed, start):
     events_are_alike(lambda t: on_a_shaken_table(seed, t)[0], start, 2.0, 1e-8)
 
 
+def ball_on_a_table(size, pace, start, r, velocity, spin, friction):
+    """A ball on a table that is moved by size sin(pace (t - start)) along x."""
+    scene = rb.Scene(gravity=[0, 0, -G])
+    shaken = rb.Prismatic([1, 0, 0], motion=lambda t: size * np.sin(pace * (t - start)))
+    table = scene.add(rb.RigidBody(1.0, [1.0] * 3), shaken)
+    body = scene.add(rb.RigidBody(1.0, [0.4 * r * r] * 3), position=[0, 0, r], velocity=velocity, angular_velocity=spin)
+    scene.contact(body.sphere(r), table.plane([0, 0, 1]), friction=friction)
+    return scene, body
+
+
 def ball_on_a_shaken_table(seed, start):
     """It slides, and begins to roll."""
     g = np.random.default_rng([77, seed])
     size, pace, r, mu = g.uniform(0.02, 0.2), g.uniform(2, 8), g.uniform(0.05, 0.3), g.uniform(0.1, 0.6)
     v, spin = g.normal(size=2), g.normal(size=3)
-    scene = rb.Scene(gravity=[0, 0, -G])
-    shaken = rb.Prismatic([1, 0, 0], motion=lambda t: size * np.sin(pace * (t - start)))
-    table = scene.add(rb.RigidBody(1.0, [1.0] * 3), shaken)
-    body = scene.add(
-        rb.RigidBody(1.0, [0.4 * r * r] * 3),
-        position=[0, 0, r],
-        velocity=[v[0] + size * pace, v[1], 0],
-        angular_velocity=spin,
-    )
-    scene.contact(body.sphere(r), table.plane([0, 0, 1]), friction=rb.Coulomb(mu))
+    scene, body = ball_on_a_table(size, pace, start, r, [v[0] + size * pace, v[1], 0], spin, rb.Coulomb(mu))
     return scene, body, (size, pace, mu, v + r * np.array([-spin[1], spin[0]]))
 
 
@@ -212,17 +213,8 @@ def test_a_ball_on_a_shaken_table_rolls_to_and_fro_against_its_resistance(seed, 
     size, pace, r = g.uniform(0.02, 0.2), g.uniform(2, 8), g.uniform(0.05, 0.3)
     push = size * pace**2
     resists = g.uniform(0.1, 0.4) * push  # c g / r
-    scene = rb.Scene(gravity=[0, 0, -G])
-    shaken = rb.Prismatic([1, 0, 0], motion=lambda t: size * np.sin(pace * (t - start)))
-    table = scene.add(rb.RigidBody(1.0, [1.0] * 3), shaken)
-    body = scene.add(
-        rb.RigidBody(1.0, [0.4 * r * r] * 3),
-        position=[0, 0, r],
-        velocity=[size * pace, 0, 0],
-        angular_velocity=[0, 0, 0],
-    )
     friction = rb.Coulomb(max(0.1, push / G), rolling=resists * r / G)
-    scene.contact(body.sphere(r), table.plane([0, 0, 1]), friction=friction)
+    scene, body = ball_on_a_table(size, pace, start, r, [size * pace, 0, 0], [0, 0, 0], friction)
     until = 8.0 / pace
     run = rb.simulate(scene, start=start, until=start + until, error=1e-8)
     begins = math.asin(resists / push) / pace
