@@ -34,11 +34,8 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
     const auto lost_in_time = [&](const mechanics::Touching<double>& touching) {
         if (before.equations == nullptr) return 0.0;
         const mechanics::TreeState slows = look(before, t, x);
-        const auto along = [&](const Vector3& axis) {
-            return acceleration_along(touching.row(axis, Vector3(Vector3::Zero())), slows).first;
-        };
-        const auto [first, second] = friction::across(touching.normal);
-        double rate = std::hypot(along(first), along(second));
+        const auto [first, second] = slip_acceleration(touching, slows);
+        double rate = std::hypot(first, second);
         // what a surface is driven with changes by the acceleration of that, however slowly the slip does
         if (is_driven())
             rate = std::max({rate, mechanics::acceleration_at(slows, touching.a, touching.arm_a).norm(),

@@ -199,6 +199,15 @@ RBDYN_INLINE void TreeModel::settle_rough(const Mode& before, Mode& mode, double
     curve(before, mode, t, x);
 }
 
+RBDYN_INLINE std::array<double, 2> TreeModel::slip_acceleration(const mechanics::Touching<double>& touching,
+                                                                const mechanics::TreeState& state) {
+    const auto [first, second] = friction::across(touching.normal);
+    const auto along = [&](const Vector3& axis) {
+        return acceleration_along(touching.row(axis, Vector3(Vector3::Zero())), state).first;
+    };
+    return {along(first), along(second)};
+}
+
 RBDYN_INLINE void TreeModel::turn(const Mode& before, Mode& mode, double t, std::span<const double> x,
                                   const Fired& fired) const {
     namespace states = mechanics::contact_state;
@@ -219,10 +228,8 @@ RBDYN_INLINE void TreeModel::turn(const Mode& before, Mode& mode, double t, std:
         const Vector3 slip = touching.slip();
         const double speed = slip.norm();
         const auto [first, second] = friction::across(touching.normal);
-        const auto along = [&](const Vector3& axis) {
-            return acceleration_along(touching.row(axis, Vector3(Vector3::Zero())), state).first;
-        };
-        const Vector3 rate = first * along(first) + second * along(second);
+        const auto [along_first, along_second] = slip_acceleration(touching, state);
+        const Vector3 rate = first * along_first + second * along_second;
         // what it loses within the rounding of the time its end is located is none
         const double lost = epsilon * std::abs(t) * rate.norm(), bound = memory.least;
         memory.least = std::max(memory.least, 8.0 * lost);

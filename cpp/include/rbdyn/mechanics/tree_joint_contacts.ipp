@@ -177,8 +177,7 @@ RBDYN_INLINE TreeModel::Rubbed TreeModel::tried(const Mode& before, const Mode& 
     const auto rates = acting_in(unheld, 0, 0, t, x);
     // what all of it comes to within the rounding of the time is rounding, too
     const double late = 8.0 * epsilon * std::abs(t);
-    std::vector<double> there(x.begin(), x.end());
-    for (std::size_t i = 0; i < there.size(); ++i) there[i] += late * rates->values[i];
+    const std::vector<double> there = moved_on(x, late, [&](std::size_t i) { return rates->values[i]; });
     const auto later = acting_in(unheld, 0, 0, t + late, there);
     const std::vector<double> said = said_of_joints(result.mode, t + late, there);
     for (std::size_t i = 0; i < n; ++i) {

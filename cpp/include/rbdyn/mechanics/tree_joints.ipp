@@ -127,13 +127,6 @@ RBDYN_INLINE void TreeModel::settle_joints(const Mode& before, Mode& mode, doubl
     }
 }
 
-RBDYN_INLINE std::vector<double> TreeModel::moved_on(const Evaluator<double>& rates, std::span<const double> x,
-                                                     double time) {
-    std::vector<double> there(x.begin(), x.end());
-    for (std::size_t i = 0; i < there.size(); ++i) there[i] += time * rates.output(static_cast<int>(i));
-    return there;
-}
-
 RBDYN_INLINE void TreeModel::decide_joints(const Mode& before, Mode& mode, double t, std::span<double> x,
                                            const std::vector<int>& breaking) const {
     using namespace mechanics::joint_state;
@@ -176,7 +169,8 @@ RBDYN_INLINE void TreeModel::decide_joints(const Mode& before, Mode& mode, doubl
     // what they come to within the rounding of the time is rounding, too
     std::vector<double> late_rate(n, 0.0);
     if (const double late = 8.0 * epsilon * std::abs(t); late > 0.0) {
-        const std::vector<double> there = moved_on(values, x, late);
+        const std::vector<double> there =
+            moved_on(x, late, [&](std::size_t i) { return values.output(static_cast<int>(i)); });
         const mechanics::TreeState later = look(mode, t + late, there);
         values(t + late, there);
         for (std::size_t i = 0; i < n; ++i) {

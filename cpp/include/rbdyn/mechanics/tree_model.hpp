@@ -393,6 +393,9 @@ private:
     /// What a row has of acceleration at a state, and the size of what that is made of.
     static std::pair<double, double> acceleration_along(const mechanics::Row<double>& row,
                                                         const mechanics::TreeState& state);
+    /// Of a slip, along both directions across its normal.
+    static std::array<double, 2> slip_acceleration(const mechanics::Touching<double>& touching,
+                                                   const mechanics::TreeState& state);
     /// Accelerations of the gaps of contacts in a mode where they are open, and the sizes of what these are made of.
     std::pair<std::vector<double>, std::vector<double>> opening(const Mode& mode, double t, std::span<const double> x,
                                                                 const std::vector<int>& of) const;
@@ -481,8 +484,13 @@ private:
     }
     int first_joint() const { return contacts() + resistances(); }
     mechanics::JointMemory joint_memory(const Mode& mode, int joint) const;
-    /// The state after a short time, by rates that are known.
-    static std::vector<double> moved_on(const Evaluator<double>& rates, std::span<const double> x, double time);
+    /// The state after a short time, by the rates of its variables.
+    template <class Rate>
+    static std::vector<double> moved_on(std::span<const double> x, double time, const Rate& rate) {
+        std::vector<double> there(x.begin(), x.end());
+        for (std::size_t i = 0; i < there.size(); ++i) there[i] += time * rate(i);
+        return there;
+    }
     /// Which rough joints at rest are held and which slide. May find that no motion satisfies the laws. `breaking`:
     /// those that are at their static limit and leave it.
     void settle_joints(const Mode& before, Mode& mode, double t, std::span<double> x, std::vector<int> breaking) const;

@@ -180,11 +180,8 @@ RBDYN_INLINE void TreeModel::curve(const Mode& before, Mode& mode, double t, std
         const mechanics::TreeState state = look(mode, t, x);
         for (const int k : pulled) {
             const auto touching = conditions_->contacts()[at(k)].touching<double>(*tree_, state.moving);
-            const auto [u, v] = friction::across(touching.normal);
-            const auto along = [&](const Vector3& axis) {
-                return acceleration_along(touching.row(axis, Vector3(Vector3::Zero())), state).first;
-            };
-            const double first = std::hypot(along(u), along(v));
+            const auto [u, v] = slip_acceleration(touching, state);
+            const double first = std::hypot(u, v);
             ContactMemory memory = ContactMemory::of(mode.memory, k);
             if (memory.least <= 0x1p-43 * states::least_speed && std::isfinite(time))
                 memory.least = 0x1p-43 * first * time;
