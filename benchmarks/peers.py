@@ -299,7 +299,7 @@ def main():
     text = f"""# Beside other libraries
 
 `./run bench peers` installs them into an environment of their own and writes this page on your machine. This one is of
-{datetime.date.today():%d %B %Y}: {machine()}, shared with other work; rbdyn {rb.__version__}, {", ".join(there)}{
+{datetime.date.today():%d %B %Y}: {machine()}; rbdyn {rb.__version__}, {", ".join(there)}{
         "; not installed: " + ", ".join(absent) if absent else ""
     }.
 

@@ -50,8 +50,7 @@ static bool has_unit(py::handle value) {
     return py::module_::import("rbdyn.quantities").attr("has_unit")(value).cast<bool>();
 }
 
-/// As an array of the flags and type given; none if it cannot be. Ctrl-C meanwhile is no reason for that, and goes on.
-static py::array array_of(py::handle value, PyObject* type, int flags) {
+py::array numpy_array(py::handle value, PyObject* type, int flags) {
     const auto& numpy = py::detail::npy_api::get();
     Py_XINCREF(type);
     PyObject* const array =
@@ -74,18 +73,22 @@ Array doubles(py::handle value, const std::string& object, const std::string& wh
     if (has_unit(value))
         throw InvalidInput(object + ": " + what + " is " + shown(value) + "; " +
                            py::module_::import("rbdyn.quantities").attr("RULE").cast<std::string>());
-    const py::array array = array_of(value, nullptr, 0);
+    const py::array array = numpy_array(value);
     if (!array) refuse();
     switch (array.dtype().kind()) {
         case 'b':
         case 'i':
         case 'u':
-        case 'f':
-        case 'O': break;
+        case 'f': break;
+        case 'O':
+            // which NumPy would make NaN of
+            for (const py::handle item : array.attr("flat"))
+                if (item.is_none()) refuse();
+            break;
         default: refuse();
     }
     const Array numbers = py::reinterpret_borrow<Array>(
-        array_of(array, py::dtype::of<double>().ptr(), py::array::c_style | py::array::forcecast));
+        numpy_array(array, py::dtype::of<double>().ptr(), py::array::c_style | py::array::forcecast));
     if (!numbers) refuse();
     return numbers;
 }

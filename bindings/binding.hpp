@@ -131,6 +131,8 @@ std::string plain(py::handle text);
 std::string shown(py::handle value);
 /// (3,), as Python writes it.
 std::string shape_of(const py::array& array);
+/// As an array of the flags and type given; none if it cannot be. Ctrl-C meanwhile is no reason for that, and goes on.
+py::array numpy_array(py::handle value, PyObject* type = nullptr, int flags = 0);
 /// Numbers of any shape.
 Array doubles(py::handle value, const std::string& object, const std::string& what);
 /// One number.

@@ -191,8 +191,8 @@ void bind_contact_motion(py::module_& m) {
             "state",
             [](const BoundContact& self, const ArrayLike& t, const SideName& name) -> py::object {
                 const Side side = side_of(name);
-                const py::array times = py::array::ensure(t);
-                if (times.ndim() == 0) return py::cast(self.motion.state(t.cast<double>(), side));
+                if (doubles(t, "Trajectory", "time").ndim() == 0)
+                    return py::cast(self.motion.state(number(t, "Trajectory", "time"), side));
                 py::list all;
                 for (const double x : list_of_doubles(t, "Trajectory", "time")) all.append(self.motion.state(x, side));
                 return py::object(all);

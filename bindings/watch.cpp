@@ -291,7 +291,7 @@ void try_out(const Called& c) {
 }  // namespace
 
 double one_number(const py::object& returned, const std::string& user) {
-    const py::array array = py::array::ensure(returned);
+    const py::array array = numpy_array(returned);
     if (!array || array.size() != 1)
         throw InvalidInput(user + ": its function returns " + shown(returned) + "; it returns one number");
     return number(array.attr("reshape")(py::tuple()), user, "what its function returns");

@@ -81,6 +81,19 @@ def _alternatives(kind: str) -> list[str]:
     return [*parts, kind[begin:].strip()]
 
 
+def _is_number(value: Any) -> bool:
+    """Whether it is one number, of whatever size: an array of several has the means, and no value."""
+    if not hasattr(value, "__float__") and not hasattr(value, "__index__"):
+        return False
+    try:
+        float(value)
+    except OverflowError:
+        return True
+    except Exception:
+        return False
+    return True
+
+
 def _fits(value: Any, kind: str) -> bool:
     """Whether a value may be of a kind, as far as can be told."""
     base, _, inner = kind.partition("[")
@@ -88,7 +101,7 @@ def _fits(value: Any, kind: str) -> bool:
         known = getattr(_core, base.rpartition(".")[2], None)
         return known is None or isinstance(value, known)
     if base == "float":
-        return hasattr(value, "__float__") or hasattr(value, "__index__")
+        return _is_number(value)
     if base == "int":
         return hasattr(value, "__index__") and -(2**63) <= value.__index__() < 2**63
     if base == "bool":
@@ -97,6 +110,11 @@ def _fits(value: Any, kind: str) -> bool:
         return isinstance(value, str) and not _lone(value)
     if base == "None":
         return value is None
+    if base == "typing.Literal":
+        return isinstance(value, str)
+    if base == "tuple" and inner and hasattr(value, "__len__"):
+        items = _parts(inner[:-1])
+        return items[-1] == "..." or (len(value) == len(items) and all(map(_fits, value, items)))
     if base in ("tuple", "dict", "list", "bytes"):
         return type(value).__name__ == base or isinstance(value, (tuple, dict, list, bytes))
     if base == "collections.abc.Callable":
@@ -131,6 +149,8 @@ def _lone(text: str) -> bool:
 
 def _told(kind: str) -> str:
     base, _, inner = kind.partition("[")
+    if base == "tuple" and set(_parts(inner[:-1])) == {"float"}:
+        return f"{len(_parts(inner[:-1]))} numbers"
     if base in _WORDS:
         if base == "collections.abc.Sequence" and inner:
             return f"a list, each item {_rule(inner[:-1])}"

@@ -134,6 +134,12 @@ def in_a_thread(f):
         (lambda s: rb.plan(3), "plan: scene is 3; it is a Scene or a System"),
         (lambda s: rb.cost(s, 1.0, engines=[3]), "cost: engines is [3]; it is a list, each item"),
         (lambda s: s.watch("a\ud800", print), "half a character (a surrogate) in it; give text that UTF-8 can write"),
+        (
+            lambda s: rb.simulate(s, 1.0, error=np.array([1e-6, 1e-7])),
+            "simulate: error is array([1.e-06, 1.e-07]); it is",
+        ),
+        (lambda s: rb.shapes.sphere(1, np.array([1, 2])), "sphere: radius is array([1, 2]); it is a number"),
+        (lambda s: rb.Curve(lambda u: [u, u, u], domain=[1]), "Curve: domain is [1]; it is 2 numbers or None"),
         (lambda s: s.connect(1, 2, 3), "Scene.connect: coupling is 1; it is a Spring, a Gravitation"),
     ],
 )
@@ -181,3 +187,11 @@ def test_names_and_numbers_that_are_given_twice_are_one():
     assert rb._core._function(1, nodes, [1], ["a", "a"], [])(-2.0) == -1.0
     k = rb.parameter(3.0, "k")
     assert rb._core._function(0, [("cell", 1, -1, -1, -1, 0.0)], [0], [], [k, k])() == 3.0
+
+
+def test_none_is_no_number():
+    """NumPy makes NaN of it."""
+    with pytest.raises(rb.InvalidInput, match="gravity is"):
+        rb.Scene(gravity=[None, 0, 0])
+    with pytest.raises(rb.InvalidInput, match="f is None"):
+        rb.JointTorque(None)

@@ -213,6 +213,7 @@ def test_a_python_file_that_is_none_is_named_with_its_line(content, code, messag
             ["run", "HOOP", "--until", "1", "--plot", "nowhere/a.png"],
             "--plot nowhere/a.png: there is no folder",
         ),
+        (["run", "HOOP", "--until", "1", "--keep", "end", "--plot", "a.png"], "--plot: a figure shows the motion"),
         (["run", "HOOP", "--until", "1", "--plot", "a.foo"], "--plot a.foo: a picture is written to"),
         (["cost", "HOOP", "--until", "1", "--plot", "nowhere/a.png"], "there is no folder 'nowhere'"),
         (["view", "HOOP", "--until", "1", "--output", "nowhere/a.html"], "--output nowhere/a.html: there is no folder"),

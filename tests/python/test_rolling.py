@@ -137,18 +137,6 @@ def test_torques_that_follow_forces_which_are_not_unique_are_no_law():
         rb.simulate(scene, until=1.0)
 
 
-def test_bounces_that_end_in_rolling_are_told_as_they_are_known():
-    def fall(error):
-        scene = rb.Scene(gravity=[0, 0, -g])
-        ball = scene.add(rb.shapes.sphere(m, r), position=[0, 0, 1], velocity=[1.5, 0.3, 0])
-        scene.contact(ball.sphere(r), rb.Plane([0, 0, 1]), friction=rb.Coulomb(0.3, rolling=0.0015), restitution=0.7)
-        return rb.simulate(scene, until=5.0, error=error)
-
-    assert 1e-7 < fall(1e-5).error < 1e-5
-    with pytest.raises(rb.AccuracyError):
-        fall(1e-9)
-
-
 def test_a_disc_that_has_settled_lies_flat():
     """Euler's disc ends at a finite time, its contact running round at an infinite rate, and the run says so."""
     scene = rb.Scene(gravity=[0, 0, -9.8125])

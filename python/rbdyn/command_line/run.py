@@ -60,6 +60,10 @@ def execute(arguments: argparse.Namespace) -> int:
             raise InvalidInput(f"--save {path}: a run is written to a file that ends in .npz, .h5, .hdf5 or .csv")
         require_place(path, "--save")
     output.require_picture(arguments.plot, "--plot")
+    if arguments.plot and arguments.keep == "end":
+        raise InvalidInput(
+            "--plot: a figure shows the motion, and --keep end keeps its end alone; leave out one of them"
+        )
     found = read(arguments.file)
     until = end_of(arguments, found.until)
     names = ("start", "error", "rtol", "engine", "keep", "max_steps")

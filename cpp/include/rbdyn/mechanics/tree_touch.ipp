@@ -336,8 +336,10 @@ RBDYN_INLINE void TreeModel::Encounter::tell() {
             h.note = "restitution lowered to " + text(strokes.lowered * law(k).restitution) +
                      ": more would gain energy, or ask what no impulses do";
         if (last) h.later = left.time;
-        // torques against rolling act while what is left of the bounces goes on, and impacts know none
-        if (last && model.conditions_->is_rough() && (left.is_summed || !model.follows_together(mode)))
+        // torques against rolling act while what is left of the bounces goes on, and impacts know none; what bounces
+        // alone is followed to its end
+        if (last && model.conditions_->is_rough() &&
+            (left.is_summed || (closed.size() > 1 && !model.follows_together(mode))))
             h.unsure = std::max(model.resistances() > 0 ? 1e-6 : 2e-11, left.unsure / std::abs(t));
         happenings.push_back(std::move(h));
     }
