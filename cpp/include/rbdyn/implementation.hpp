@@ -63,6 +63,7 @@
 #include "rbdyn/engine/dop853.ipp"
 #include "rbdyn/engine/dop853_step.ipp"
 #include "rbdyn/engine/engine.ipp"
+#include "rbdyn/engine/far_norms.ipp"
 #include "rbdyn/engine/guard_fit.ipp"
 #include "rbdyn/engine/motion_scales.ipp"
 #include "rbdyn/engine/near_singular.ipp"

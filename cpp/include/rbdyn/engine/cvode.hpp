@@ -64,6 +64,7 @@ public:
     int guard_order() const override;
     bool fits_guards() const override;
     bool is_rough(int guard) const override;
+    bool is_far(int guard) const override;
     void guard_sizes(int index, double* sizes) override;
     void rest(double tau, std::span<const double> x, std::span<double> low) const override;
 

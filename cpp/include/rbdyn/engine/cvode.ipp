@@ -154,6 +154,10 @@ RBDYN_INLINE bool CvodeEngine::is_rough(int guard) const {
     return starter_ != nullptr ? starter_->is_rough(guard) : integrator_->guards.is_rough(guard);
 }
 
+RBDYN_INLINE bool CvodeEngine::is_far(int guard) const {
+    return starter_ != nullptr ? starter_->is_far(guard) : integrator_->guards.is_far(guard);
+}
+
 RBDYN_INLINE void CvodeEngine::guard_sizes(int index, double* sizes) {
     if (starter_ == nullptr) return integrator_->guards.sizes(index, sizes);
     starter_->guard_sizes(index, sizes);

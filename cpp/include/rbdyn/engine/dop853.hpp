@@ -15,6 +15,7 @@
 #include <cstddef>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -30,6 +31,7 @@
 #include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/expression/hidden_terms.hpp"
 #include "rbdyn/expression/program.hpp"
+#include "rbdyn/expression/rounding_sizes.hpp"
 #include "rbdyn/model/equations.hpp"
 #include "rbdyn/series/piece.hpp"
 
@@ -64,6 +66,7 @@ public:
     int guard_order() const override;
     void guard_sizes(int index, double* sizes) override;
     bool is_rough(int guard) const override;
+    bool is_far(int guard) const override;
     bool fits_guards() const override;
 
 private:
@@ -82,7 +85,8 @@ private:
         std::unique_ptr<const BorrowedSeries> series;
         HiddenAhead ahead;
         PieceGuards guards;
-        double step = 0.0;  // the length of the next one; 0: not known yet
+        std::optional<RoundingSizes> sizes;  // once there are many rejections
+        double step = 0.0;                   // the length of the next one; 0: not known yet
     };
 
     Workshop& workshop_for(const Equations& equations);
@@ -116,7 +120,10 @@ private:
     /// which slopes are made of, where forces in balance let go, and what this does to other slopes within a step, in
     /// proportion to its length. No shorter step has less of it; so it is taken off what a step is blamed for, for one
     /// that is only forgiven would never grow again.
-    void find_rounding(double h);
+    ///
+    /// `by_sizes`: by the sizes of the terms of all that slopes are computed from, too, which takes longer: one other
+    /// state may show nothing of what is lost where they are solved for.
+    void find_rounding(double h, bool by_sizes);
 
     /// How much longer the next step may be; the error goes as its eighth power. Estimates of what swings pass through
     /// zero, so that at nine tenths, not three quarters, of the length that they promise a fourth of the steps is
@@ -156,11 +163,13 @@ private:
     mutable Dop853Step step_;
     std::vector<double> y_, defect_;  // another state; and slope
     bool has_slope_ = false, is_first_ = true, is_cut_ = false;
-    Piece whole_;                               // the whole step, where guards cut it
-    double offset_ = 0.0, natural_ = 1.0;       // where the piece begins on it
-    Dop853Step::Doubles coefficients_;          // of the whole step
-    std::vector<double> part_;                  // of a part of it
-    std::vector<double> allowed_;               // per group, error of the step that is tried
+    Piece whole_;                          // the whole step, where guards cut it
+    double offset_ = 0.0, natural_ = 1.0;  // where the piece begins on it
+    Dop853Step::Doubles coefficients_;     // of the whole step
+    std::vector<double> part_;             // of a part of it
+    std::vector<double> allowed_;          // per group, error of the step that is tried
+    static constexpr int many_rejections = 6;
+    int rejections_ = 0;                        // of late: two more for each, one less for a step without
     std::vector<double> rounding_, spread_;     // per group, what rounding does to slopes, and more of it in unit time
     mutable double anchor_ = 0.0;               // a place on the whole step
     mutable std::vector<double> anchor_state_;  // and the state there

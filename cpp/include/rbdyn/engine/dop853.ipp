@@ -54,6 +54,7 @@ RBDYN_INLINE void Dop853Engine::start(const Equations& equations, std::span<cons
     std::fill(low_.begin(), low_.end(), 0.0);
     estimates_.assign(equations.groups.size(), 0.0);
     next_estimates_ = rounding_ = spread_ = estimates_;
+    rejections_ = 0;
     has_slope_ = false;
     is_first_ = true;
     is_cut_ = false;
@@ -95,10 +96,14 @@ RBDYN_INLINE StepStatus Dop853Engine::step(double limit) {
         if (error <= 1.0) error = std::max(error, interpolate(h));
         if (error <= 1.0) break;
         ++work_.rejected;
-        if (!rejected) find_rounding(h);
+        const bool are_few = rejections_ < many_rejections;
+        rejections_ += 2;
+        if (const bool now_many = are_few && rejections_ >= many_rejections; !rejected || now_many)
+            find_rounding(h, rejections_ >= many_rejections);
         wanted = h * factor(error);
         estimates_ = next_estimates_;
     }
+    if (!rejected && rejections_ > 0) --rejections_;
     // not longer at once after a step that was too long; not shorter because the end of the run was near
     const double next = h * (rejected ? std::min(1.0, factor(error)) : factor(error));
     wanted = capped ? std::max(wanted, next) : next;
@@ -135,6 +140,8 @@ RBDYN_INLINE int Dop853Engine::guard_order() const { return workshop_->guards.or
 RBDYN_INLINE void Dop853Engine::guard_sizes(int index, double* sizes) { workshop_->guards.sizes(index, sizes); }
 
 RBDYN_INLINE bool Dop853Engine::is_rough(int guard) const { return workshop_->guards.is_rough(guard); }
+
+RBDYN_INLINE bool Dop853Engine::is_far(int guard) const { return workshop_->guards.is_far(guard); }
 
 RBDYN_INLINE bool Dop853Engine::fits_guards() const { return workshop_->guards.fits(); }
 
@@ -263,7 +270,7 @@ RBDYN_INLINE double Dop853Engine::blamed(double error, double h, std::size_t g) 
     return error > 0.0 ? error / allowed_[g] : 0.0;
 }
 
-RBDYN_INLINE void Dop853Engine::find_rounding(double h) {
+RBDYN_INLINE void Dop853Engine::find_rounding(double h, bool by_sizes) {
     const auto largest_change = [&](const VariableGroup& group) {
         double change = 0.0;
         for (int i = group.first; i < group.first + group.count; ++i)
@@ -272,11 +279,18 @@ RBDYN_INLINE void Dop853Engine::find_rounding(double h) {
     };
     for (int i = 0; i < n(); ++i) y_[at(i)] = x_[at(i)] * (i % 2 == 0 ? 1.0 + epsilon : 1.0 - epsilon);
     if (!evaluate({t_.hi + epsilon * std::abs(t_.hi), 0.0}, y_, defect_.data())) return;
+    std::optional<RoundingSizes>& sizes = workshop_->sizes;
+    if (by_sizes) {
+        if (!sizes) sizes.emplace(equations_->program);
+        sizes->set_parameters(parameters_);
+        (*sizes)(t_.hi, now());
+    }
     for (std::size_t g = 0; g < rounding_.size(); ++g) {
         const VariableGroup& group = equations_->groups[g];
         rounding_[g] = 32.0 * largest_change(group);
         for (int i = group.first; i < group.first + group.count; ++i)
-            rounding_[g] = std::max(rounding_[g], 16.0 * epsilon * workshop_->evaluator.magnitude(i));
+            rounding_[g] = std::max({rounding_[g], 16.0 * epsilon * workshop_->evaluator.magnitude(i),
+                                     by_sizes ? 8.0 * epsilon * sizes->size(i) : 0.0});
         for (int i = group.first; i < group.first + group.count; ++i) y_[at(i)] = x_[at(i)] + h * rounding_[g];
     }
     if (!evaluate(t_, y_, defect_.data())) return;

@@ -68,6 +68,8 @@ public:
     /// Whether these say nothing of the guard all along the piece: it is not finite where that begins, or has a
     /// singularity too near. Its values do.
     virtual bool is_rough(int /*guard*/) const;
+    /// Whether a guard is known to keep its sign all along the piece, so that nobody need ask for its coefficients.
+    virtual bool is_far(int /*guard*/) const;
     /// Whether they are those of polynomials through values, and not of series that are cut off.
     virtual bool fits_guards() const;
 

@@ -42,6 +42,8 @@ RBDYN_INLINE bool Engine::refines() const { return false; }
 
 RBDYN_INLINE bool Engine::is_rough(int /*guard*/) const { return false; }
 
+RBDYN_INLINE bool Engine::is_far(int /*guard*/) const { return false; }
+
 RBDYN_INLINE bool Engine::fits_guards() const { return false; }
 
 RBDYN_INLINE std::vector<EngineChange> Engine::changes() const { return {}; }

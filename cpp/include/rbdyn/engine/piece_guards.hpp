@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "rbdyn/basics/form.hpp"
+#include "rbdyn/engine/far_norms.hpp"
 #include "rbdyn/engine/guard_fit.hpp"
 #include "rbdyn/expression/hidden_terms.hpp"
 #include "rbdyn/expression/program.hpp"
@@ -48,6 +49,9 @@ public:
     /// Whether these say nothing of a guard all along.
     bool is_rough(int guard) const { return !rough_.empty() && rough_[static_cast<std::size_t>(guard)] != 0; }
 
+    /// Whether a guard is known to keep its sign on the whole piece, without its coefficients.
+    bool is_far(int guard) const { return far_.is_far(guard); }
+
     const double* coefficients(int guard);
 
     /// Sizes of the terms that these are made of.
@@ -65,8 +69,9 @@ private:
     static bool is_computed(const Equations& equations, const Guard& guard) {
         return guard.output >= 0 && !equations.is_variable(guard);
     }
-    /// Outputs of such guards.
+    /// Such guards, and their outputs.
     static std::vector<int> computed_guards(const Equations& equations);
+    static std::vector<int> outputs(const Equations& equations);
 
     void expand();
 
@@ -81,6 +86,8 @@ private:
     SeriesEvaluator* series_;
     std::unique_ptr<GuardFit> fit_;
     HiddenTerms hidden_;  // of series
+    FarNorms far_;
+    bool is_expanded_ = false;
     int order_;
     double tolerance_, log_tolerance_;
     std::vector<signed char> rough_;        // by guard; empty: none is

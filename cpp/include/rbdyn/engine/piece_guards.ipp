@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "rbdyn/basics/instant.hpp"
+#include "rbdyn/engine/far_norms.hpp"
 #include "rbdyn/engine/guard_fit.hpp"
 #include "rbdyn/expression/hidden_terms.hpp"
 #include "rbdyn/expression/program.hpp"
@@ -28,17 +29,24 @@ RBDYN_INLINE PieceGuards::PieceGuards(const Equations& equations, SeriesEvaluato
     : equations_(&equations),
       series_(series),
       fit_(series == nullptr ? std::make_unique<GuardFit>(equations) : nullptr),
-      hidden_(equations.program, order, computed_guards(equations)),
+      hidden_(equations.program, order, outputs(equations)),
+      far_(equations, series == nullptr ? std::vector<int>() : computed_guards(equations)),
       order_(series == nullptr ? GuardFit::order : order),
       tolerance_(tolerance),
       log_tolerance_(std::log2(tolerance)),
       need_more_(!computed_guards(equations).empty()) {}
 
 RBDYN_INLINE std::vector<int> PieceGuards::computed_guards(const Equations& equations) {
-    std::vector<int> outputs;
-    for (const Guard& guard : equations.guards)
-        if (is_computed(equations, guard)) outputs.push_back(guard.output);
-    return outputs;
+    std::vector<int> guards;
+    for (std::size_t g = 0; g < equations.guards.size(); ++g)
+        if (is_computed(equations, equations.guards[g])) guards.push_back(static_cast<int>(g));
+    return guards;
+}
+
+RBDYN_INLINE std::vector<int> PieceGuards::outputs(const Equations& equations) {
+    std::vector<int> result = computed_guards(equations);
+    for (int& guard : result) guard = equations.guards[static_cast<std::size_t>(guard)].output;
+    return result;
 }
 
 RBDYN_INLINE void PieceGuards::set_parameters(std::span<const double> parameters, Program::Rounding rounding) {
@@ -52,6 +60,7 @@ RBDYN_INLINE void PieceGuards::enter(std::span<const double> parameters) {
 
 RBDYN_INLINE double PieceGuards::begin(const Piece& piece, bool is_rest) {
     piece_ = piece;
+    is_expanded_ = false;
     rough_.clear();
     if (!is_rest) {
         fits_left_ = most_fits;
@@ -64,6 +73,7 @@ RBDYN_INLINE double PieceGuards::begin(const Piece& piece, bool is_rest) {
         goes_on_ = true;
         return fitted_length();
     }
+    if (far_.look(piece, *series_)) return piece.length;
     expand();
     return std::min(piece.length, series_length());
 }
@@ -76,13 +86,15 @@ RBDYN_INLINE const double* PieceGuards::coefficients(int guard) {
         std::copy_n(piece_.variable(equations_->program.output(g.output)), piece_.order + 1, row_.data());
         return row_.data();
     }
-    return fit_ ? fit_->coefficients(guard) : series_->output(g.output);
+    if (fit_) return fit_->coefficients(guard);
+    if (!is_expanded_) expand();
+    return series_->output(g.output);
 }
 
 RBDYN_INLINE void PieceGuards::sizes(int guard, double* s) {
     const Guard& g = equations_->guards[static_cast<std::size_t>(guard)];
     if (series_) {
-        if (!need_more_) expand();
+        if (!is_expanded_) expand();
         const TermSizes::Sizes known = TermSizes(*series_, order_)(equations_->program.output(g.output));
         std::copy_n(known.begin(), order_ + 1, s);
         return;
@@ -97,6 +109,7 @@ RBDYN_INLINE void PieceGuards::expand() {
     for (int i = 0; i < piece_.variables; ++i)
         for (int k = 0; k <= order_; ++k) series_->set_input(i, k, k <= piece_.order ? piece_.variable(i)[k] : 0.0);
     for (int k = 0; k <= order_; ++k) series_->advance(k);
+    is_expanded_ = true;
 }
 
 RBDYN_INLINE double PieceGuards::series_length() {

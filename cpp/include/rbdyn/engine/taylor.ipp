@@ -122,7 +122,13 @@ RBDYN_INLINE std::optional<StepStatus> TaylorEngine::end_step() {
     const int n = equations_->variables();
     const double span = limit_ - t_;
     work_.right_hand_sides += order_;
-    if (!series_->is_finite(0)) return StepStatus::not_finite;
+    if (!series_->is_finite(0)) {
+        // a length that begins beside zero, though its guard has seen it there, has no direction as one that begins
+        // with a power of time, and has one as it is
+        if (attempts_++ > 0 || !drop_start_flags(*equations_, parameters_)) return StepStatus::not_finite;
+        set_parameters();
+        return std::nullopt;
+    }
     const bool is_finite = series_->is_finite(order_ - 1);
     double length = is_finite ? (length_ ? *length_ : step_length(span)) * unevenness() : 0.0;
     is_wide_ = false;

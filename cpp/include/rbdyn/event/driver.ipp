@@ -314,7 +314,11 @@ RBDYN_INLINE bool Driver::change(Record& record, const std::vector<int>& fired, 
             // a force that has only touched zero is known to be there
             const bool touches =
                 guard.contact >= 0 && guard.kind == EventKind::detach && after.parameters == now_.mode.parameters;
-            if (after.equations == before && (!guard.renews || touches))
+            // nor is a length at zero that begins with no power of time
+            const Switch* length = before->switch_of(guard);
+            const bool is_beside = length != nullptr && length->is_norm &&
+                                   after.parameters[static_cast<std::size_t>(length->parameter)] == 0.0;
+            if (after.equations == before && (!guard.renews || touches) && !is_beside)
                 handled[static_cast<std::size_t>(index)] = true;
             if (const auto surface = before->surface_of(guard))
                 for (std::size_t g = 0; g < handled.size(); ++g)

@@ -399,9 +399,15 @@ RBDYN_INLINE void EventSearch::seek(const Mode& mode, const std::vector<Guard>& 
             seek_by_values(mode, guard, g, 1.0, fresh, is_last);
         return;
     }
-    const double* c = engine_.guard(static_cast<int>(g));
     const double sign =
         guard.sign_parameter >= 0 ? mode.parameters[static_cast<std::size_t>(guard.sign_parameter)] : 1.0;
+    // a length, which is positive
+    if (sign > 0.0 && !guard.is_watched() && engine_.is_far(static_cast<int>(g))) {
+        if (fresh) side_of(guard) = 1;
+        stays_[g] = false;
+        return;
+    }
+    const double* c = engine_.guard(static_cast<int>(g));
     // the guard on the unit interval
     series::Coefficients q;
     double check = 0.0;

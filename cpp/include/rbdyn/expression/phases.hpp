@@ -8,6 +8,7 @@
 
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/expression/function.hpp"
+#include "rbdyn/expression/time_function.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
@@ -20,5 +21,6 @@ struct SmallPhases {
 
 /// The same function, with the same operations where no phase is written more than half a turn off.
 SmallPhases small_phases(const Function& function);
+TimeFunction with_small_phases(const TimeFunction& function);
 
 }  // namespace rbdyn::inline RBDYN_FORM

@@ -16,6 +16,7 @@
 #include "rbdyn/expression/expression.hpp"
 #include "rbdyn/expression/function.hpp"
 #include "rbdyn/expression/node.hpp"
+#include "rbdyn/expression/time_function.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
@@ -76,6 +77,11 @@ RBDYN_INLINE SmallPhases small_phases(const Function& f) {
         return f.node(n).operation == Operation::sine ? sin(phase) : cos(phase);
     });
     return result;
+}
+
+RBDYN_INLINE TimeFunction with_small_phases(const TimeFunction& f) {
+    const SmallPhases small = small_phases(f.function());
+    return small.ahead > 0.0 ? TimeFunction(small.function) : f;
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM

@@ -236,8 +236,8 @@ RBDYN_INLINE Mode TreeModel::decided_anew(const Mode& before, std::span<const do
         mode.impossible = why;
         return mode;
     };
-    const std::vector<double> phases = phase_rounding(t, x);
-    const auto noise_of = [&](int k, const auto& motion) { return 1e-12 * speed_of(k, motion) + phases[at(k)]; };
+    const PhaseRounding phases = phase_rounding(t, x);
+    const auto noise_of = [&](int k, const auto& motion) { return 1e-12 * speed_of(k, motion) + phases.normal[at(k)]; };
     std::vector<int> closed;
     for (int k = 0; k < contacts(); ++k) {
         if (conditions_->contacts()[at(k)].is_gone) continue;
@@ -257,7 +257,9 @@ RBDYN_INLINE Mode TreeModel::decided_anew(const Mode& before, std::span<const do
     const auto is_along = [&](int k) {
         return std::abs(mechanics::Conditions::rate(rows[at(conditions_->normal_row(k))], all)) <= noise_of(k, all);
     };
-    const auto is_stuck = [&](int k) { return is_rough(k) && touching(k).slip().norm() <= 1e-12 * speed_of(k, all); };
+    const auto is_stuck = [&](int k) {
+        return is_rough(k) && touching(k).slip().norm() <= 1e-12 * speed_of(k, all) + phases.slip[at(k)];
+    };
     const bool strikes = !std::all_of(closed.begin(), closed.end(), is_along);
     if (begins && !strikes)
         for (const int k : closed) require_no_slip(k, touching(k).slip().norm(), is_stuck(k));
@@ -330,20 +332,22 @@ RBDYN_INLINE double TreeModel::ahead() const {
     return most;
 }
 
-RBDYN_INLINE std::vector<double> TreeModel::phase_rounding(double t, std::span<const double> x) const {
-    std::vector<double> result(at(contacts()), 0.0);
-    const double late = 4.0 * epsilon * ahead();
-    if (!(t + late > t)) return result;
-    const auto rates = [&](double time) {
-        const auto all = moving(time, x);
-        const auto rows = conditions_->rows<double>(*tree_, all);
-        std::vector<double> u;
-        for (int k = 0; k < contacts(); ++k)
-            u.push_back(mechanics::Conditions::rate(rows[at(conditions_->normal_row(k))], all));
-        return u;
-    };
-    const std::vector<double> now = rates(t), then = rates(t + late);
-    for (std::size_t k = 0; k < result.size(); ++k) result[k] = std::abs(then[k] - now[k]);
+RBDYN_INLINE TreeModel::PhaseRounding TreeModel::phase_rounding(double t, std::span<const double> x) const {
+    const std::vector<double> none(at(contacts()), 0.0);
+    PhaseRounding result{none, none};
+    const double late = 4.0 * epsilon * (std::abs(t) + ahead());
+    if (!(t + late > t) || !is_driven()) return result;
+    const auto now = moving(t, x), then = moving(t + late, x);
+    for (int k = 0; k < contacts(); ++k) {
+        const mechanics::ContactLaw& law = conditions_->contacts()[at(k)];
+        if (law.is_gone) continue;
+        const auto here = law.touching<double>(*tree_, now), there = law.touching<double>(*tree_, then);
+        const auto rate = [](const auto& touching, const auto& all) {
+            return mechanics::Conditions::rate(touching.row(touching.normal, touching.normal_rate), all);
+        };
+        result.normal[at(k)] = std::abs(rate(there, then) - rate(here, now));
+        if (is_rough(k)) result.slip[at(k)] = (there.slip() - here.slip()).norm();
+    }
     return result;
 }
 

@@ -76,7 +76,11 @@ RBDYN_INLINE std::vector<int> TreeModel::closed_in(const Mode& mode,
 
 RBDYN_INLINE double TreeModel::size_of(int contact, const std::vector<mechanics::Moving<double>>& all) const {
     const mechanics::ContactLaw& c = conditions_->contacts()[at(contact)];
-    double size = (tree_->point<double>(c.a, all).place - tree_->point<double>(c.b, all).place).norm();
+    // where both meet far from the origin their places have its rounding: what is known of a size to 1e-12 is known of
+    // these to some units in the last place
+    constexpr double of_places = 0x1p-6;
+    const Vector3 a = tree_->point<double>(c.a, all).place, b = tree_->point<double>(c.b, all).place;
+    double size = std::max((a - b).norm(), of_places * std::max(a.norm(), b.norm()));
     size = std::max({size, static_cast<double>(c.radius), static_cast<double>(c.surface_radius)});
     for (const mechanics::Anchor* end : {&c.a, &c.b})
         if (end->body >= 0)

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "rbdyn/curve/axes.hpp"
+#include "rbdyn/expression/phases.hpp"
 #include "rbdyn/mechanics/foot.hpp"
 #include "rbdyn/mechanics/joint/held.hpp"
 #include "rbdyn/mechanics/joint/rail.hpp"
@@ -60,7 +61,7 @@ RBDYN_INLINE std::vector<RoughJoint> rough_joints(const Scene& scene, const Tree
         one.mu_dynamic = friction->mu_dynamic.value_or(friction->mu_static);
         if (rail != nullptr) {
             one.rail = *n.joint.rail();
-            one.drive = rail->drive();
+            one.drive = with_small_phases(rail->drive());
             const Curve& curve = *one.rail->curve;
             one.across_in[0] =
                 curves::turned<DoubleDouble>(curve.placement().exact_axes(), widened(Foot::direction_aside(curve)));

@@ -629,8 +629,12 @@ private:
     /// How far time as drives are written with it is ahead of the time [s]: who places something where such a drive is
     /// knows that to the rounding of both.
     double ahead() const;
-    /// What of the rates of the gaps of contacts that rounding makes.
-    std::vector<double> phase_rounding(double t, std::span<const double> x) const;
+    /// What the rounding of the time, as drives are written, makes of the rates of the gaps of contacts, and of what
+    /// slips there.
+    struct PhaseRounding {
+        std::vector<double> normal, slip;
+    };
+    PhaseRounding phase_rounding(double t, std::span<const double> x) const;
     /// That what no friction lets slide does not as a scene starts.
     void require_no_slip(int contact, double slip, bool is_stuck) const;
     void tell_anew(const Mode& mode, const Mode& after, const std::vector<double>& impulses, const Strokes& strokes,

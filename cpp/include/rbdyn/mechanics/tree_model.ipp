@@ -403,12 +403,14 @@ RBDYN_INLINE void TreeModel::observe(const Mode& mode, double t, std::span<const
             if (body >= 0) touches[at(body)] = true;
     // how quickly a body, or one that carries it, could begin to turn by the forces on it [rad/s]
     std::vector<double> paces(at(bodies()), 0.0);
+    const double late = contacts() > 0 ? 16.0 * epsilon * (std::abs(t) + ahead()) : 0.0;
     for (int i = 0; i < bodies(); ++i) {
         const mechanics::TreeState::Body& b = state.bodies[at(i)];
         const mechanics::Moving<double>& m = state.moving[at(i)];
         const mechanics::Node& n = tree_->node(i);
         const double mass = static_cast<double>(n.mass);
-        double turned = 0.0;  // what moves it with that pace [N m]
+        double turned = 0.0;                   // what moves it with that pace [N m]
+        double known = tree_models::rounding;  // what of that is rounding
         out.push_back({b.center, true, 0.0, b.center.norm(), Alike::place, place_held(i, size_)});
         out.push_back({b.velocity, false, 0.0, b.velocity.norm(), Alike::velocity, place_held(i, fastest),
                        mass > 0.0 ? b.effort.force.norm() / mass : 0.0});
@@ -425,6 +427,8 @@ RBDYN_INLINE void TreeModel::observe(const Mode& mode, double t, std::span<const
                            std::max(is_none ? 0.0 : m.omega.norm(), natural), Alike::turning, turn_held(i)});
             paces[at(i)] = std::max(n.parent < 0 ? 0.0 : paces[at(n.parent)], natural);
             turned = moments * paces[at(i)] * paces[at(i)];
+            // places are known to how far they go in the rounding of the time
+            if (gyration > 0.0) known += late * b.velocity.norm() / gyration;
         }
         const bool is_free = n.joint.as<mechanics::FreePointLaw>() != nullptr ||
                              n.joint.as<mechanics::FreeBodyLaw>() != nullptr || is_flying(mode, i);
@@ -442,7 +446,7 @@ RBDYN_INLINE void TreeModel::observe(const Mode& mode, double t, std::span<const
         if (n.is_point || n.joint.as<mechanics::SphericalLaw>() != nullptr) continue;
         Vector3 moment = reaction.moment;
         // the moment that turns it with what carries it, which does not turn but by rounding
-        if (contacts() > 0 && moment.norm() <= tree_models::rounding * turned) moment = Vector3::Zero();
+        if (contacts() > 0 && moment.norm() <= known * turned) moment = Vector3::Zero();
         const auto rubs = std::find_if(joints_.begin(), joints_.end(), [&](const mechanics::RoughJoint& joint) {
             return joint.turns && joint.body == i;
         });

@@ -209,10 +209,19 @@ RBDYN_INLINE void find_leading_powers(Mode& mode, double t, std::span<const doub
         return std::ranges::any_of(std::array{s.norm->a, s.norm->b, s.norm->c},
                                    [&](int slot) { return slot >= 0 && is_so(slot); });
     };
-    expand(0);
+    // a guard that fires beside zero, for the series of what passes near it tell no difference, has not fired at it: by
+    // more than rounding, and than it moves in the rounding of the time
+    for (const Beginning& s : starts) *s.flag = 0.0;
+    expand(std::ranges::any_of(starts, [](const Beginning& s) { return s.before != 0.0; }) ? 1 : 0);
     std::erase_if(starts, [&](const Beginning& s) {
-        return s.before == 0.0 && any(s, [&](int slot) { return series.coefficients(slot)[0] != 0.0; });
+        return any(s, [&](int slot) {
+            const double* c = series.coefficients(slot);
+            if (s.before == 0.0) return c[0] != 0.0;
+            const double size = TermSizes(series, 0, TermSizes::many)(slot)[0] + std::abs(c[1] * t);
+            return std::abs(c[0]) > 64.0 * std::numeric_limits<double>::epsilon() * size;
+        });
     });
+    for (const Beginning& s : starts) *s.flag = s.before;
     for (int m = 1; m <= most && !starts.empty(); ++m) {
         expand(m);
         std::erase_if(starts, [&](const Beginning& s) {

@@ -20,6 +20,7 @@
 #include "rbdyn/curve/point.hpp"
 #include "rbdyn/expression/elementary.hpp"
 #include "rbdyn/expression/expression.hpp"
+#include "rbdyn/expression/phases.hpp"
 #include "rbdyn/expression/recorder.hpp"
 #include "rbdyn/model/equations.hpp"
 #include "rbdyn/model/equations_writer.hpp"
@@ -65,7 +66,7 @@ RBDYN_INLINE void BeadLaw::take_start(const Scene::Body& b) {
 RBDYN_INLINE void BeadLaw::take_loads(const Scene& scene, const std::vector<int>& own) {
     PointLaw::take_loads(scene, own);
     const Rail& rail = *scene.bodies()[static_cast<std::size_t>(index)].rail();
-    drive_ = rail.drive();
+    drive_ = with_small_phases(rail.drive());
     motion_ = rail.motion();
 }
 
