@@ -1,6 +1,6 @@
-"""Plane mechanisms of one freedom with several frictions: all bodies apart, each with its own place and angle, forces of
-all pins, slides and of a floor unknown (Newton, Euler), integrated by DOP853. A reference that shares nothing with the
-library."""
+"""Plane mechanisms of one freedom with several frictions: all bodies apart, each with its own place and angle, forces
+of all pins, slides and of a floor unknown (Newton, Euler), integrated by DOP853. A reference that shares nothing with
+the library."""
 
 import math
 
@@ -17,8 +17,9 @@ def turned(angle, a):
 
 
 class Mechanism:
-    """`bodies`: mass, inertia about the centre. `pins`: (body or -1, place there, body, place there, mu r) from centres;
-    `slides`: (body, normal, mu), it does not turn; `floor`: (body, place there, mu). `torque(t)` on the first body."""
+    """`bodies`: mass, inertia about the centre. `pins`: (body or -1, place there, body, place there, mu r), places from
+    centres; `slides`: (body, normal, mu), it does not turn; `floor`: (body, place there, mu). `torque(t)` on the first
+    body."""
 
     def __init__(self, bodies, pins, slides=(), floor=None, torque=None, length=1.0):
         self.bodies, self.pins, self.slides, self.floor = bodies, pins, slides, floor
@@ -144,12 +145,14 @@ class Mechanism:
             used = [e for e, k in enumerate(self.frictions) if k > 0]
 
             def ends(e, now=signs):
-                f = lambda t, y: now[e] * self.rates(y)[e]
+                def f(t, x):
+                    return now[e] * self.rates(x)[e]
+
                 f.terminal, f.direction = True, -1
                 return f
 
             sol = solve_ivp(
-                lambda t, y, now=signs: np.concatenate([y[n:], self.solve(t, y, now)[0]]),
+                lambda t, x, now=signs: np.concatenate([x[n:], self.solve(t, x, now)[0]]),
                 (t, end),
                 y,
                 method="DOP853",
@@ -170,10 +173,17 @@ class Mechanism:
                 told.append((t, "turns back"))
                 continue
             y[n:] = 0
-            told.append((t, "stops"))
             ways = [way for way in (1, -1) if way * self.pushed(t, y, way) > 0]
+            told.append((t, "reverses" if ways else "rests"))
             if not ways:
-                pieces.append((t, end, lambda s, y=y: y))
-                break
+                leaves = self.leaves(t, y, end)
+                # from where it has begun to
+                later = end if leaves is None else leaves[0] + 1e-9 * unit
+                pieces.append((t, later, lambda s, there=y: there))
+                t = later
+                if leaves is None:
+                    break
+                told.append((leaves[0], "leaves"))
+                ways = [leaves[1]]
             signs = np.sign(ways[0] * self.way(y)[1])
         return told, lambda s: next(p(s) for a, b, p in pieces if a <= s <= b)
