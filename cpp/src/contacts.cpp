@@ -13,6 +13,7 @@
 #include "rbdyn/mechanics/tree_friction.ipp"
 #include "rbdyn/mechanics/tree_joint_contacts.ipp"
 #include "rbdyn/mechanics/tree_joint_strikes.ipp"
+#include "rbdyn/mechanics/tree_joint_ways.ipp"
 #include "rbdyn/mechanics/tree_rest.ipp"
 #include "rbdyn/mechanics/tree_rolling.ipp"
 #include "rbdyn/mechanics/tree_rough_strikes.ipp"

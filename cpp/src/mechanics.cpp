@@ -9,6 +9,7 @@
 #include "rbdyn/mechanics/loosening.ipp"
 #include "rbdyn/mechanics/recorded_rows.ipp"
 #include "rbdyn/mechanics/redundant.ipp"
+#include "rbdyn/mechanics/rubbing.ipp"
 #include "rbdyn/mechanics/tree.ipp"
 #include "rbdyn/mechanics/tree_break_away.ipp"
 #include "rbdyn/mechanics/tree_change.ipp"

@@ -52,9 +52,9 @@ ConeForces held_by(const Square& a, const std::vector<double>& b, const std::vec
 bool are_inside(const std::vector<double>& force, const std::vector<Cone>& cones);
 
 /// Of forces z = z0 + sum of c_i directions_i those well inside of all cones and small: c. Empty if there are none
-/// inside. `size`: how large forces are here.
+/// inside, and `nearest` is then where least is lacking. `size`: how large forces are here.
 std::vector<double> forces_inside(const std::vector<double>& z0, const Square& directions,
-                                  const std::vector<Cone>& cones, double size);
+                                  const std::vector<Cone>& cones, double size, std::vector<double>* nearest = nullptr);
 
 /// x of A x = b, zero along what A leaves free: where pivots are that part of the largest at most.
 std::vector<double> solve_any(const Square& a, const std::vector<double>& b, double nothing = 1e-12);

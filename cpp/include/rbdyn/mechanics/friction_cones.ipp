@@ -276,7 +276,8 @@ RBDYN_INLINE bool are_inside(const std::vector<double>& force, const std::vector
 }
 
 RBDYN_INLINE std::vector<double> forces_inside(const std::vector<double>& z0, const Square& directions,
-                                               const std::vector<Cone>& all, double size) {
+                                               const std::vector<Cone>& all, double size,
+                                               std::vector<double>* nearest) {
     // the least of |z|^2 / (2 size^2) - 0.1 sum log(mu^2 N^2 - |T|^2); first, with N + s in place of N, of s less ever
     // less of the logarithms, until s is negative (S. Boyd and L. Vandenberghe, Convex Optimization, 2004, chapter 11)
     const std::size_t count = directions.size();
@@ -386,8 +387,12 @@ RBDYN_INLINE std::vector<double> forces_inside(const std::vector<double>& z0, co
         lack = std::max(lack, (std::isfinite(cone.mu) && cone.mu > 0.0 ? across / cone.mu : 0.0) - z0[f] / size);
     }
     c[count] = lack + 1.0;
-    while (!descend(true))
-        if ((weight *= 0.1) < 1e-14) return {};
+    while (!descend(true)) {
+        if ((weight *= 0.1) >= 1e-14) continue;
+        if (nearest != nullptr)
+            for (std::size_t i = 0; i < count; ++i) (*nearest)[i] = c[i] * size;
+        return {};
+    }
     c[count] = 0.0;
     weight = 0.1;
     if (!descend(false)) return {};

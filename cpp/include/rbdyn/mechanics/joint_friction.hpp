@@ -54,6 +54,9 @@ struct RoughJoint {
     TimeFunction drive = 0.0;                               // of a rail: V [m/s]
     bool is_alone = false;  // nothing that friction in joints does changes what presses it
 
+    /// Friction by what presses it where it slides, or stays at its limit.
+    const Given& coefficient(bool slides) const { return slides ? mu_dynamic : mu_static; }
+
     /// |r'| of a rail, else 1: what its rate is by its coordinate's.
     template <class S>
     S pace(const std::vector<Moving<S>>& all) const {
@@ -113,18 +116,23 @@ struct RoughJoint {
 [[gnu::cold]] std::vector<RoughJoint> rough_joints(const Scene& scene, const Tree& tree);
 
 /// What a rough joint does in a mode, as its number in Mode::slip behind those of contacts: no friction yet, held,
-/// idle, for contacts hold what it would, or it slides: forward or backward, from rest, pressed in a direction that
-/// turns, or by nothing but rounding.
+/// idle, for others hold what it would, or it resists by T = k |R|: it slides, or stays, idle too, at the limit beyond
+/// which others hold the rest; forward or backward, from rest, pressed in a direction that turns, remembered where that
+/// without friction is none to begin with, or by nothing but rounding.
 namespace joint_state {
 
 inline constexpr signed char open = 0, held = 8, slides = 16, backward = 1, from_rest = 2, veering = 4, unloaded = 32,
-                             idle = 64;
+                             idle = 64, remembered = 8;
 
-inline bool is_at_rest(signed char state) { return state == held || state == idle; }
-inline bool is_sliding(signed char state) { return (state & slides) != 0; }
-inline bool has(signed char state, signed char what) { return is_sliding(state) && (state & what) != 0; }
+inline bool is_at_rest(signed char state) { return state == held || (state & idle) != 0; }
+/// Whether its friction is k |R|.
+inline bool resists(signed char state) { return (state & slides) != 0; }
+inline bool is_sliding(signed char state) { return resists(state) && (state & idle) == 0; }
+inline bool has(signed char state, signed char what) { return resists(state) && (state & what) != 0; }
+/// The sign of the rate that its friction is against.
+inline int against(signed char state) { return !resists(state) ? 0 : has(state, backward) ? -1 : 1; }
 /// The sign of its rate; 0: it is at rest.
-inline int sign(signed char state) { return !is_sliding(state) ? 0 : has(state, backward) ? -1 : 1; }
+inline int sign(signed char state) { return is_sliding(state) ? against(state) : 0; }
 
 }  // namespace joint_state
 

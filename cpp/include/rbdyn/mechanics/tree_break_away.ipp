@@ -18,6 +18,21 @@
 
 namespace rbdyn::inline RBDYN_FORM {
 
+RBDYN_INLINE bool TreeModel::is_at_end(const Mode& before, int contact, double t, std::span<const double> x) const {
+    const auto touching = conditions_->contacts()[at(contact)].touching<double>(*tree_, moving(before, t, x));
+    const double left = touching.slip().norm();
+    if (left <= 16.0 * mechanics::ContactMemory::of(before.memory, contact).least) return true;
+    if (before.equations == nullptr) return false;
+    const mechanics::TreeState slows = look(before, t, x);
+    const auto [first, second] = slip_acceleration(touching, slows);
+    double rate = std::hypot(first, second);
+    // what a surface is driven with changes by the acceleration of that, however slowly the slip does
+    if (is_driven())
+        rate = std::max({rate, mechanics::acceleration_at(slows, touching.a, touching.arm_a).norm(),
+                         mechanics::acceleration_at(slows, touching.b, touching.arm_b).norm()});
+    return left <= 8.0 * epsilon * std::abs(t) * rate;
+}
+
 RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, double t, std::span<double> x,
                                              const std::vector<int>& candidates, const Fired& fired,
                                              std::vector<int> breaking) const {
@@ -29,35 +44,18 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
     const mechanics::TreeState open = look(mode, t, x);
     const auto& all = open.moving;
     std::vector<int> at_rest = fired.stuck;
-    // what has left its last direction by more than rounding, or than it loses within the rounding of the time at which
-    // its end is located, has not stopped
-    const auto lost_in_time = [&](const mechanics::Touching<double>& touching) {
-        if (before.equations == nullptr) return 0.0;
-        const mechanics::TreeState slows = look(before, t, x);
-        const auto [first, second] = slip_acceleration(touching, slows);
-        double rate = std::hypot(first, second);
-        // what a surface is driven with changes by the acceleration of that, however slowly the slip does
-        if (is_driven())
-            rate = std::max({rate, mechanics::acceleration_at(slows, touching.a, touching.arm_a).norm(),
-                             mechanics::acceleration_at(slows, touching.b, touching.arm_b).norm()});
-        return 8.0 * epsilon * std::abs(t) * rate;
-    };
-    for (const int k : fired.stopping) {
-        const auto touching = conditions_->contacts()[at(k)].touching<double>(*tree_, all);
-        const double left = touching.slip().norm();
-        if (left <= 16.0 * mechanics::ContactMemory::of(before.memory, k).least || left <= lost_in_time(touching))
-            at_rest.push_back(k);
-    }
+    // what has left its last direction by more than that has not stopped
+    for (const int k : fired.stopping)
+        if (is_at_end(before, k, t, x)) at_rest.push_back(k);
     // what was held is at rest, unless an impact has moved it
     for (int k = 0; k < contacts(); ++k)
         if (is_held(before.slip[at(k)]) && before.jumps == mode.jumps) at_rest.push_back(k);
     // what stops together does so within the rounding of its speeds
     std::vector<int> stopping = at_rest;
-    if (!fired.stopping.empty())
+    if (!fired.stopping.empty() || !fired.rubbed_stopping.empty())
         for (const int k : candidates) {
             if (!slides(before.slip[at(k)]) && !(is_given(before.slip[at(k)]) && is_rough(k))) continue;
-            const double speed = conditions_->contacts()[at(k)].touching<double>(*tree_, all).slip().norm();
-            if (speed <= 16.0 * mechanics::ContactMemory::of(before.memory, k).least) stopping.push_back(k);
+            if (is_at_end(before, k, t, x)) stopping.push_back(k);
         }
     Touched touched;
     std::vector<double> b, noise;

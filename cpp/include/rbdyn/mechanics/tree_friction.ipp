@@ -43,7 +43,7 @@ RBDYN_INLINE bool TreeModel::Fired::has(int contact) const {
 
 RBDYN_INLINE bool TreeModel::Fired::none() const {
     for (const auto* list : {&landing, &doubtful, &breaking, &stopping, &turning, &singular, &resisted_breaking,
-                             &resisted_stopping, &resisted_turning, &stuck, &rubbed_breaking})
+                             &resisted_stopping, &resisted_turning, &stuck, &rubbed_breaking, &rubbed_stopping})
         if (!list->empty()) return false;
     return true;
 }
@@ -74,7 +74,7 @@ RBDYN_INLINE void TreeModel::own_parameters(Mode& mode, std::span<const double> 
             mode.parameters[next++] = mode.memory[place_of_resistance(e) + at(i)];
     }
     for (std::size_t k = 0; k < joints_.size(); ++k) {
-        if (!mechanics::joint_state::is_sliding(mode.slip[at(first_joint()) + k])) continue;
+        if (!mechanics::joint_state::resists(mode.slip[at(first_joint()) + k])) continue;
         const std::size_t from = place_of_joint(static_cast<int>(k));
         for (int i = 0; i < mechanics::JointMemory::parameters; ++i)
             mode.parameters[next++] = mode.memory[from + at(i)];

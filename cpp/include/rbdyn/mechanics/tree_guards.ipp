@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -96,7 +97,7 @@ RBDYN_INLINE void TreeWriter::guard_friction(EquationsWriter& write, int contact
     write.decide(leaves, is_alone && !is_shared && joints_.empty() ? values_[first + 3] : normal);
     if (!contact_state::is_given(state))
         write.guard({.kind = EventKind::singular, .contact = contact, .name = "friction of " + c.name},
-                    values_[first + 4]);
+                    grip().value_or(values_[first + 4]));
     const Vector3Of<S> slip = t.slip();
     Guard stops{.kind = EventKind::stick, .contact = contact, .name = "slip of " + c.name};
     if (contact_state::follows_slip(state)) {
@@ -120,6 +121,23 @@ RBDYN_INLINE void TreeWriter::guard_friction(EquationsWriter& write, int contact
     write.guard(turns, most - across);
     write.guard(turns, most + across);
     if (curves) write.guard(turns, f.left);
+}
+
+RBDYN_INLINE std::optional<Expression> TreeWriter::grip() const {
+    S grip(1.0);
+    bool slides = false, rubs = false;
+    for (std::size_t k = 0; k < states_.size(); ++k) {
+        if (!contact_state::slides(states_[k])) continue;
+        slides = true;
+        grip *= values_[place(static_cast<int>(k)) + 4];
+    }
+    for (std::size_t i = 0; i < joints_.size(); ++i) {
+        if (!joint_state::resists(joint_states_[i]) || joint_state::has(joint_states_[i], joint_state::unloaded))
+            continue;
+        rubs = true;
+        grip *= values_[first_of_joints() + per_joint * i + 4];
+    }
+    return slides && rubs ? std::make_optional(grip) : std::nullopt;
 }
 
 RBDYN_INLINE void TreeWriter::guard_ends(EquationsWriter& write) const {

@@ -27,42 +27,12 @@
 #include "rbdyn/mechanics/friction_cones.hpp"
 #include "rbdyn/mechanics/joint_friction.hpp"
 #include "rbdyn/mechanics/touched.hpp"
+#include "rbdyn/mechanics/tree_joint_ways.ipp"
 #include "rbdyn/mechanics/tree_model.hpp"
 #include "rbdyn/model/acting.hpp"
 #include "rbdyn/model/leading_sign.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
-
-namespace joint_contacts {
-
-/// In place of the sign of a rate.
-inline constexpr int idle = 3, gone = 2;
-inline bool slides(int sign) { return sign == 1 || sign == -1; }
-
-/// The next of all ways that some joints may go on; false: there is none.
-inline bool next_way(const std::vector<std::size_t>& of, std::span<const int> choices, std::vector<int>& sign) {
-    for (const std::size_t i : of) {
-        const auto now = std::find(choices.begin(), choices.end(), sign[i]);
-        if (now + 1 != choices.end()) {
-            sign[i] = *(now + 1);
-            return true;
-        }
-        sign[i] = choices.front();
-    }
-    return false;
-}
-
-/// Whether contacts that are open and touch, at rest, part as the motion goes on; `may_stay`: or stay as they are.
-inline bool part(const Mode& mode, double t, std::span<const double> x, const std::vector<int>& contacts,
-                 bool may_stay = false) {
-    return std::all_of(mode.equations->guards.begin(), mode.equations->guards.end(), [&](const Guard& guard) {
-        const bool is_gap = guard.kind == EventKind::land && guard.output >= 0 &&
-                            std::find(contacts.begin(), contacts.end(), guard.contact) != contacts.end();
-        return !is_gap || leading_sign(mode, t, x, guard.output, 2) > (may_stay ? -1 : 0);
-    });
-}
-
-}  // namespace joint_contacts
 
 RBDYN_INLINE std::vector<mechanics::Row<double>> TreeModel::constraints_of(
     const Mode& mode, const std::vector<mechanics::Row<double>>& every) const {
@@ -78,9 +48,10 @@ RBDYN_INLINE std::optional<friction::JointLaw> TreeModel::joint_law(const Mode& 
     friction::JointLaw law{&joints_, t, {}, {}, {}};
     for (std::size_t i = 0; i < joints_.size(); ++i) {
         const signed char state = mode.slip[at(first_joint()) + i];
-        if (!is_sliding(state) || has(state, unloaded)) continue;
+        if (!resists(state) || has(state, unloaded)) continue;
         law.sliding.push_back(i);
-        law.factor.push_back(-static_cast<double>(sign(state)) * joints_[i].mu_dynamic * joints_[i].radius);
+        law.factor.push_back(-static_cast<double>(against(state)) * joints_[i].coefficient(is_sliding(state)) *
+                             joints_[i].radius);
         law.along.push_back(joint_memory(mode, static_cast<int>(i)).along);
     }
     return law.sliding.empty() ? std::nullopt : std::make_optional(std::move(law));
@@ -113,116 +84,14 @@ RBDYN_INLINE std::vector<int> TreeModel::still_pressed(const Mode& before, doubl
     return pressed;
 }
 
-/// What came of one way that joints may go on.
-struct TreeModel::Rubbed {
-    Mode mode;
-    std::vector<std::array<double, 2>> load;                       // what presses each joint
-    std::vector<double> friction, acceleration, amiss, load_size;  // amiss: over what it may be; above 1 it is wrong
-    std::vector<double> least;                                     // accelerations below it are rounding
-    std::vector<double> late_rate;                                 // rates that the rounding of the time makes
-    bool is_solved = false;
-    bool is_right() const {
-        return is_solved && std::all_of(amiss.begin(), amiss.end(), [](double one) { return one <= 1.0; });
-    }
-};
-
-RBDYN_INLINE TreeModel::Rubbed TreeModel::tried(const Mode& before, const Mode& mode, double t, std::span<double> x,
-                                                const std::vector<int>& candidates, const Fired& fired,
-                                                const std::vector<int>& sign) const {
-    using namespace mechanics::joint_state;
-    const std::size_t n = joints_.size();
-    Rubbed result{mode, {}, {}, {}, std::vector<double>(n, 0.0), {}, {}, {}, false};
-    std::vector<std::array<double, 2>> along;
-    for (std::size_t i = 0; i < n; ++i) along.push_back(joint_memory(mode, static_cast<int>(i)).along);
-    double last = 2.0;
-    for (int pass = 0; pass < 60 && !result.is_solved; ++pass) {
-        result.mode = mode;
-        for (std::size_t i = 0; i < n; ++i) {
-            signed char now = sign[i] == joint_contacts::gone ? open : sign[i] == joint_contacts::idle ? idle : held;
-            if (joint_contacts::slides(sign[i])) now = static_cast<signed char>(slides | (sign[i] < 0 ? backward : 0));
-            result.mode.slip[at(first_joint()) + i] = now;
-            mechanics::JointMemory memory = joint_memory(mode, static_cast<int>(i));
-            memory.along = along[i];
-            memory.put(result.mode.memory.data() + place_of_joint(static_cast<int>(i)));
-        }
-        settle_contacts(before, result.mode, t, x, candidates, fired);
-        if (!result.mode.impossible.empty()) return result;
-        const std::vector<double> said = said_of_joints(result.mode, t, x);
-        result.load.clear();
-        result.friction.clear();
-        double turned = 0.0;
-        for (std::size_t i = 0; i < n; ++i) {
-            const double* const one = said.data() + mechanics::JointMemory::said * i;
-            result.friction.push_back(one[0]);
-            result.load.push_back({one[1], one[2]});
-            const double size = std::hypot(one[1], one[2]);
-            const std::array<double, 2> now =
-                size > 0.0 ? std::array<double, 2>{one[1] / size, one[2] / size} : std::array<double, 2>{0.0, 0.0};
-            if (joint_contacts::slides(sign[i]))
-                turned = std::max(turned, std::hypot(now[0] - along[i][0], now[1] - along[i][1]));
-            along[i] = now;
-        }
-        // loads that rounding makes have no direction
-        result.is_solved = turned < 1e-13 || (turned < 1e-9 && turned >= last);
-        last = turned;
-    }
-    if (!result.is_solved) return result;
-    const mechanics::TreeState state = look(result.mode, t, x);
-    const auto rows = rows_in(result.mode);
-    // without friction, and without rest, of what does not need any
-    Mode unheld = result.mode;
-    for (std::size_t i = 0; i < n; ++i)
-        if (sign[i] == joint_contacts::idle) unheld.slip[at(first_joint()) + i] = open;
-    if (unheld.slip != result.mode.slip) choose(unheld, t, x, {}, true);
-    const auto rates = acting_in(unheld, 0, 0, t, x);
-    // what all of it comes to within the rounding of the time is rounding, too
-    const double late = 8.0 * epsilon * std::abs(t);
-    const std::vector<double> there = moved_on(x, late, [&](std::size_t i) { return rates->values[i]; });
-    const auto later = acting_in(unheld, 0, 0, t + late, there);
-    const std::vector<double> said = said_of_joints(result.mode, t + late, there);
-    for (std::size_t i = 0; i < n; ++i) {
-        const mechanics::RoughJoint& joint = joints_[i];
-        const mechanics::TreeState::Body& body = state.bodies[at(joint.body)];
-        const double size = joint.turns ? body.effort.moment.norm() : body.effort.force.norm();
-        const double* const one_later = said.data() + mechanics::JointMemory::said * i;
-        const double turned =
-            std::hypot(one_later[1] - result.load[i][0], one_later[2] - result.load[i][1]) * joint.radius;
-        const double noise = 1e-13 * size + std::abs(one_later[0] - result.friction[i]) + joint.mu_static * turned;
-        result.load_size.push_back(body.effort.force.norm());
-        const mechanics::closing::Responses alone(*tree_, *conditions_, {conditions_->joint_row(static_cast<int>(i))},
-                                                  state.moving);
-        double one = rates->values[at(tree_->positions() + joint.v)];
-        const double change = std::abs(later->values[at(tree_->positions() + joint.v)] - one);
-        result.least.push_back(1e-13 * size * alone.matrix()[0][0] + change);
-        result.late_rate.push_back(change * late);
-        if (joint.rail)
-            one = joint.pace(state.moving) * one -
-                  joint.carried(t, x.data(), x[at(tree_->positions() + joint.v)], state.moving);
-        result.acceleration.push_back(one);
-        const double pressing = std::hypot(result.load[i][0], result.load[i][1]);
-        if (sign[i] == 0) {
-            const double limit = joint.mu_static * joint.radius * pressing;
-            result.amiss[i] = std::abs(result.friction[i]) <= limit + noise
-                                  ? 0.0
-                                  : std::abs(result.friction[i]) / std::max(limit + noise, 1e-300) + 1.0;
-        } else if (sign[i] != joint_contacts::gone) {
-            // what contacts hold at rest is idle and does not slide, what they do not is not idle
-            std::vector<int> with = rows;
-            with.push_back(conditions_->joint_row(static_cast<int>(i)));
-            bool is_held = std::abs(one) <= result.least.back() &&
-                           mechanics::independent_rows(*tree_, *conditions_, with, state.moving, rows.size()).size() <=
-                               rows.size();
-            // nor is what they hold at this place alone, as from rest where its angle is extreme: it begins without an
-            // acceleration, and goes the way that comes next
-            if (is_held && !joint.rail)
-                if (const int next = leading_sign(unheld, t, x, tree_->positions() + joint.v, 1); next != 0) {
-                    is_held = false;
-                    result.acceleration.back() = 2.0 * static_cast<double>(next) * result.least.back();
-                }
-            result.amiss[i] = is_held == (sign[i] == joint_contacts::idle) ? 0.0 : 1e300;
-        }
-    }
-    return result;
+RBDYN_INLINE void TreeModel::stop_with_joints(const Mode& mode, double t, std::span<const double> x,
+                                              Fired& fired) const {
+    using namespace mechanics::contact_state;
+    if (fired.rubbed_stopping.empty()) return;
+    for (int k = 0; k < contacts(); ++k)
+        if (slides(mode.slip[at(k)]) && !follows_slip(mode.slip[at(k)]) && !is_start(mode.slip[at(k)]) &&
+            !fired.has(k) && is_at_end(mode, k, t, x))
+            fired.stopping.push_back(k);
 }
 
 RBDYN_INLINE std::vector<TreeModel::Gap> TreeModel::gaps_beside_held(const Mode& mode, double t, std::span<double> x,
@@ -264,10 +133,10 @@ RBDYN_INLINE void TreeModel::settle_all(const Mode& before, Mode& mode, double t
     const std::size_t n = joints_.size();
     const auto was = [&](std::size_t i) { return before.slip[at(first_joint()) + i]; };
     // another form of what contacts do changes nothing of joints
-    const bool is_form = fired.rubbed_breaking.empty() && fired.landing.empty() && fired.doubtful.empty() &&
-                         fired.breaking.empty() && fired.stuck.empty() && fired.resisted_breaking.empty() &&
-                         fired.resisted_stopping.empty() && fired.stopping.empty() && fired.singular.empty() &&
-                         !(fired.turning.empty() && fired.resisted_turning.empty());
+    const bool is_form = fired.rubbed_breaking.empty() && fired.rubbed_stopping.empty() && fired.landing.empty() &&
+                         fired.doubtful.empty() && fired.breaking.empty() && fired.stuck.empty() &&
+                         fired.resisted_breaking.empty() && fired.resisted_stopping.empty() && fired.stopping.empty() &&
+                         fired.singular.empty() && !(fired.turning.empty() && fired.resisted_turning.empty());
     if (is_form) return settle_contacts(before, mode, t, x, candidates, fired);
     // what a joint has held at its surface without a force, until it breaks, may close again, or part: at the limit
     // both begin with no acceleration, and what comes next decides
@@ -291,7 +160,7 @@ RBDYN_INLINE void TreeModel::settle_all(const Mode& before, Mode& mode, double t
     for (std::size_t i = 0; i < n; ++i) {
         const int joint = static_cast<int>(i);
         // what rests on contacts is at rest
-        slip.push_back(was(i) == idle && before.jumps == mode.jumps ? 0.0 : slip_of(before, mode, joint, t, x));
+        slip.push_back((was(i) & idle) != 0 && before.jumps == mode.jumps ? 0.0 : slip_of(before, mode, joint, t, x));
         sign[i] = slip[i] > 0.0 ? 1 : slip[i] < 0.0 ? -1 : 0;
         if (has(was(i), from_rest) && std::abs(slip[i]) <= 2.0 * joint_memory(before, joint).least_rate &&
             slip[i] != 0.0)
@@ -302,6 +171,9 @@ RBDYN_INLINE void TreeModel::settle_all(const Mode& before, Mode& mode, double t
     }
     // what shares its load with others breaks only where no forces inside all cones are left
     std::vector<int> breaking = shares_load(before) ? std::vector<int>{} : fired.rubbed_breaking;
+    // nor does what stays at its limit, beside what holds the rest, longer than that
+    for (std::size_t i = 0; i < n; ++i)
+        if (!fired.breaking.empty() && resists(was(i)) && !is_sliding(was(i))) breaking.push_back(static_cast<int>(i));
     Rubbed found{undecided, {}, {}, {}, {}, {}, {}, {}, false};
     const auto breaks = [&](std::size_t i) {
         return std::find(breaking.begin(), breaking.end(), static_cast<int>(i)) != breaking.end();
@@ -315,17 +187,44 @@ RBDYN_INLINE void TreeModel::settle_all(const Mode& before, Mode& mode, double t
             return static_cast<double>(s[i]) * r.acceleration[i] > (breaks(i) ? -r.least[i] : r.least[i]);
         });
     };
+    constexpr std::size_t most_at_limits = 4;
     for (std::size_t turn = 0; turn <= n; ++turn) {
         bool is_found = false;
-        const auto look_at = [&](const std::vector<int>& way) {
-            found = tried(before, undecided, t, x, candidates, fired, way);
+        const auto look_among = [&](const std::vector<int>& way, const Fired& what) {
+            found = tried(before, undecided, t, x, candidates, what, way);
             is_found = is_right_way(found, way);
             for (const std::size_t i : resting) is_found = is_found && !(breaks(i) && way[i] == 0);
             if (is_found) sign = way;
             return is_found;
         };
+        const auto look_at = [&](const std::vector<int>& way) { return look_among(way, fired); };
         // contacts may hold what joints would: of these none is needed; then joints hold as contacts do
         const bool may_idle = !candidates.empty() && fired.doubtful.empty();
+        // or they hold the rest of what joints that resist up to their limits do, whatever has come to its edge alone;
+        // or all of them share it
+        const bool presses =
+            before.equations == nullptr || still_pressed(before, t, x, candidates, fired).size() == candidates.size();
+        if (may_idle && presses && !resting.empty() && resting.size() <= most_at_limits) {
+            std::vector<int> way = sign;
+            for (const std::size_t i : resting) way[i] = joint_contacts::idle;
+            constexpr std::array choices{joint_contacts::stays, -joint_contacts::stays};
+            Fired shared = fired;
+            shared.breaking.clear();
+            const std::vector<int> undone = sign;
+            if (!look_at(way)) {
+                for (const std::size_t i : resting) way[i] = choices.front();
+                // where contacts have forces of their own to choose all share the load
+                while ((!look_among(way, shared) || shares_load(found.mode)) &&
+                       joint_contacts::next_way(resting, choices, way)) {
+                }
+                if (is_found && shares_load(found.mode)) {
+                    is_found = false;
+                    sign = undone;
+                }
+                for (const std::size_t i : resting) way[i] = 0;
+                if (!is_found && !fired.breaking.empty()) look_among(way, shared);
+            }
+        }
         for (const int first : {joint_contacts::idle, 0}) {
             if (is_found || (first != 0 && !may_idle)) continue;
             std::vector<int> way = sign;
@@ -426,7 +325,7 @@ RBDYN_INLINE void TreeModel::settle_all(const Mode& before, Mode& mode, double t
     mode = found.mode;
     const double length = size_of(moving(t, x));
     for (std::size_t i = 0; i < n; ++i) {
-        if (!joint_contacts::slides(sign[i])) continue;
+        if (!joint_contacts::resists(sign[i])) continue;
         const int joint = static_cast<int>(i);
         // of what goes on to slide the least rate stays
         const bool begins = std::find(resting.begin(), resting.end(), i) != resting.end() || has(was(i), from_rest);
@@ -437,7 +336,20 @@ RBDYN_INLINE void TreeModel::settle_all(const Mode& before, Mode& mode, double t
         mode.slip[at(first_joint()) + i] =
             sliding_state(mode, joint, t, x, sign[i], begins, slip[i], found.late_rate[i], acceleration, length,
                           found.load[i], found.load_size[i]);
+        if (joint_contacts::slides(sign[i])) continue;
+        signed char& state = mode.slip[at(first_joint()) + i];
+        state = static_cast<signed char>((state & ~from_rest) | idle);
     }
+    choose(mode, t, x, {}, true);
+    // where contacts beside joints without friction find no force, no direction of a load without it is one to begin
+    // with
+    const std::vector<double> said = said_of_joints(mode, t, x);
+    bool remembers = false;
+    for (std::size_t i = 0; i < n; ++i) remembers = remembers || said[mechanics::JointMemory::said * i + 4] < 0.0;
+    if (!remembers) return;
+    for (std::size_t i = 0; i < n; ++i)
+        if (signed char& state = mode.slip[at(first_joint()) + i]; resists(state))
+            state = static_cast<signed char>(state | remembered);
     choose(mode, t, x, {}, true);
 }
 

@@ -100,7 +100,7 @@ RBDYN_INLINE std::vector<Expression> TreeWriter::add_friction(const Accelerate<S
     for (std::size_t i = 0; i < n; ++i) {
         for (std::size_t r = 0; r < rows_.size(); ++r)
             if (rows_[r] == conditions_.joint_row(static_cast<int>(i))) held[i] = static_cast<int>(r);
-        if (joint_state::is_sliding(joint_states_[i]) && !joint_state::has(joint_states_[i], joint_state::unloaded))
+        if (joint_state::resists(joint_states_[i]) && !joint_state::has(joint_states_[i], joint_state::unloaded))
             sliding.push_back(i);
     }
     std::vector<S> friction(n, S(0.0));
@@ -143,13 +143,15 @@ RBDYN_INLINE std::vector<Expression> TreeWriter::add_friction(const Accelerate<S
         std::vector<S> b, pivots, driven;
         for (std::size_t s = 0; s < sliding.size(); ++s) {
             const std::size_t i = sliding[s];
-            along[i] = is_turning(i) ? direction(pressed[i]) : pressed_[i].along;
-            const S k = joints_[i].mu_dynamic.in<S>() * joints_[i].radius.in<S>();
+            const bool is_given = pass == 0 && joint_state::has(joint_states_[i], joint_state::remembered);
+            along[i] = is_turning(i) && !is_given ? direction(pressed[i]) : pressed_[i].along;
+            const bool slides = joint_state::is_sliding(joint_states_[i]);
+            const S k = joints_[i].coefficient(slides).in<S>() * joints_[i].radius.in<S>();
             m.emplace_back();
             for (std::size_t j = 0; j < sliding.size(); ++j) {
                 const S part = k * (along[i][0] * by[i][j][0] + along[i][1] * by[i][j][1]);
                 m.back().push_back(S(s == j ? 1.0 : 0.0) +
-                                   part * S(static_cast<double>(joint_state::sign(joint_states_[sliding[j]]))));
+                                   part * S(static_cast<double>(joint_state::against(joint_states_[sliding[j]]))));
             }
             b.push_back(k * (along[i][0] * load[i][0] + along[i][1] * load[i][1]));
         }
@@ -157,7 +159,7 @@ RBDYN_INLINE std::vector<Expression> TreeWriter::add_friction(const Accelerate<S
         pressed = load;
         for (std::size_t s = 0; s < sliding.size(); ++s) {
             const std::size_t j = sliding[s];
-            friction[j] = found[s] * S(-static_cast<double>(joint_state::sign(joint_states_[j])));
+            friction[j] = found[s] * S(-static_cast<double>(joint_state::against(joint_states_[j])));
             for (std::size_t i = 0; i < n; ++i)
                 for (std::size_t k = 0; k < 2; ++k) pressed[i][k] += by[i][s][k] * friction[j];
             said[per_joint * j + 4] = pivots[s];
@@ -208,24 +210,29 @@ RBDYN_INLINE void TreeWriter::rub(EquationsWriter& write) {
             const S k = joint.mu_static.in<S>() * joint.radius.in<S>();
             if (state == held) guard(EventKind::slip, "friction in", k * k * square - said[0] * said[0]);
         }
-        if (!is_sliding(state)) continue;
+        if (!resists(state)) continue;
         const Pressed& p = pressed_[i];
-        const S speed = joint.slip(r_.time(), moving_, v_[at(joint.v)]) * S(static_cast<double>(sign(state)));
-        // what starts from rest has no speed yet
-        guard(EventKind::stick, "rate of", has(state, from_rest) ? speed + p.least_rate : speed, false);
-        if (has(state, from_rest)) guard(EventKind::switching, "start of", S(2.0) * p.least_rate - speed);
+        if (is_sliding(state)) {
+            const S speed = joint.slip(r_.time(), moving_, v_[at(joint.v)]) * S(static_cast<double>(sign(state)));
+            // what starts from rest has no speed yet
+            guard(EventKind::stick, "rate of", has(state, from_rest) ? speed + p.least_rate : speed, false);
+            if (has(state, from_rest)) guard(EventKind::switching, "start of", S(2.0) * p.least_rate - speed);
+        }
         if (has(state, unloaded)) {
             guard(EventKind::switching, "load of", S(4.0) * p.least_load * p.least_load - square);
         } else if (has(state, veering)) {
             guard(EventKind::switching, "load of", square - p.least_load * p.least_load);
             guard(EventKind::singular, "load of", S(1e-14) * square - said[3] * said[3]);
+            if (has(state, remembered))
+                guard(EventKind::switching, "direction of the load of",
+                      p.along[0] * said[1] + p.along[1] * said[2] - S(0.97) * sqrt(square));
         } else {
             // friction goes on from zero there: of its new side the zero is known as of the old one
             guard(EventKind::normal_zero, "load of", p.along[0] * said[1] + p.along[1] * said[2], false);
             guard(EventKind::switching, "load of", p.least_load - said[3]);
             guard(EventKind::switching, "load of", p.least_load + said[3]);
         }
-        if (!has(state, unloaded)) guard(EventKind::singular, "load of", said[4]);
+        if (!has(state, unloaded)) guard(EventKind::singular, "load of", grip().value_or(said[4]));
     }
 }
 

@@ -9,6 +9,8 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -17,90 +19,13 @@
 #include "rbdyn/mechanics/joint/held.hpp"
 #include "rbdyn/mechanics/joint/rail.hpp"
 #include "rbdyn/mechanics/joint_friction.hpp"
+#include "rbdyn/mechanics/rubbing.hpp"
 #include "rbdyn/mechanics/tree_model.hpp"
 #include "rbdyn/mechanics/tree_writer.hpp"
 #include "rbdyn/model/leading_sign.hpp"
 #include "rbdyn/scene/joints.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
-
-namespace tree_joints {
-
-using mechanics::RoughJoint, mechanics::JointMemory;
-namespace joint_state = mechanics::joint_state;
-
-/// Friction in all rough joints of a tree at an instant, from what they do.
-struct Rubbing {
-    std::vector<double> acceleration;         // of each joint without friction
-    std::vector<std::array<double, 2>> load;  // what presses it then
-    std::vector<double> noise, load_size;     // sizes of rounding of friction, sizes of what loads are made of
-    mechanics::Square matrix;                 // accelerations by units of friction
-    std::vector<double> alone;                // of each by its own, if nothing closed the tree
-    std::vector<std::vector<std::array<double, 2>>> by;
-
-    static constexpr int gone = 2;  // in place of a sign: its bead flies
-
-    struct Answer {
-        std::vector<double> friction, acceleration;
-        std::vector<std::array<double, 2>> load;
-        bool is_solved = false;
-        double pressing(std::size_t i) const { return std::hypot(load[i][0], load[i][1]); }
-    };
-    /// `sign`: of the rate of each, zero where it is held.
-    Answer solve(const std::vector<RoughJoint>& joints, const std::vector<int>& sign) const {
-        const std::size_t n = joints.size();
-        Answer answer{std::vector<double>(n, 0.0), std::vector<double>(n, 0.0), load, false};
-        std::vector<std::array<double, 2>> along(n);
-        // friction in units in which rows of what is held and of what slides are of one size, whatever those of a scene
-        std::vector<double> unit;
-        for (std::size_t i = 0; i < n; ++i)
-            unit.push_back(alone[i] > 0.0 ? std::ldexp(1.0, -(std::ilogb(alone[i]) / 2)) : 1.0);
-        for (int pass = 0; pass < 60 && !answer.is_solved; ++pass) {
-            double turned = 0.0;
-            for (std::size_t i = 0; i < n; ++i) {
-                const double size = answer.pressing(i);
-                const std::array<double, 2> now =
-                    size > 0.0 ? std::array<double, 2>{answer.load[i][0] / size, answer.load[i][1] / size}
-                               : std::array<double, 2>{0.0, 0.0};
-                turned = std::max(turned, std::hypot(now[0] - along[i][0], now[1] - along[i][1]));
-                along[i] = now;
-            }
-            answer.is_solved = pass > 0 && turned < 1e-13;
-            mechanics::Square m(n, std::vector<double>(n, 0.0));
-            std::vector<double> b(n);
-            for (std::size_t i = 0; i < n; ++i) {
-                // what has no joint has no friction
-                const double k =
-                    sign[i] == gone ? 0.0 : static_cast<double>(sign[i]) * joints[i].mu_dynamic * joints[i].radius;
-                const double row = sign[i] == 0 ? unit[i] : 1.0 / unit[i];
-                b[i] = sign[i] == 0 ? -row * acceleration[i]
-                                    : -row * k * (along[i][0] * load[i][0] + along[i][1] * load[i][1]);
-                for (std::size_t j = 0; j < n; ++j) {
-                    m[i][j] = sign[i] == 0
-                                  ? matrix[i][j]
-                                  : (i == j ? 1.0 : 0.0) + k * (along[i][0] * by[i][j][0] + along[i][1] * by[i][j][1]);
-                    m[i][j] *= row * unit[j];
-                }
-            }
-            answer.friction = mechanics::solve_any(m, b);
-            for (std::size_t i = 0; i < n; ++i) answer.friction[i] *= unit[i];
-            for (std::size_t i = 0; i < n; ++i) {
-                answer.load[i] = load[i];
-                answer.acceleration[i] = acceleration[i];
-                for (std::size_t j = 0; j < n; ++j) {
-                    answer.acceleration[i] += matrix[i][j] * answer.friction[j];
-                    for (std::size_t k = 0; k < 2; ++k) answer.load[i][k] += by[i][j][k] * answer.friction[j];
-                }
-            }
-        }
-        // what moves is not pushed on by its friction
-        for (std::size_t i = 0; i < n; ++i)
-            if (sign[i] != 0 && static_cast<double>(sign[i]) * answer.friction[i] > noise[i]) answer.is_solved = false;
-        return answer;
-    }
-};
-
-}  // namespace tree_joints
 
 RBDYN_INLINE mechanics::JointMemory TreeModel::joint_memory(const Mode& mode, int joint) const {
     return mechanics::JointMemory::of(mode.memory.data() + place_of_joint(joint));
@@ -150,7 +75,9 @@ RBDYN_INLINE void TreeModel::decide_joints(const Mode& before, Mode& mode, doubl
         if (!joint.rail) return one;
         return joint.pace(all) * one - joint.carried(time, y.data(), y[at(tree_->positions() + joint.v)], all);
     };
-    tree_joints::Rubbing rubbing;
+    using tree_joints::Rubbing;
+    using Answer = Rubbing::Answer;
+    Rubbing rubbing;
     for (std::size_t i = 0; i < n; ++i) {
         const mechanics::RoughJoint& joint = joints_[i];
         const mechanics::TreeState::Body& body = state.bodies[at(joint.body)];
@@ -189,7 +116,7 @@ RBDYN_INLINE void TreeModel::decide_joints(const Mode& before, Mode& mode, doubl
     for (std::size_t i = 0; i < n; ++i) {
         const double rate = slip[i];
         if (is_flying(mode, joints_[i].body)) {
-            sign[i] = tree_joints::Rubbing::gone;
+            sign[i] = Rubbing::gone;
             continue;
         }
         sign[i] = rate > 0.0 ? 1 : rate < 0.0 ? -1 : 0;
@@ -206,33 +133,59 @@ RBDYN_INLINE void TreeModel::decide_joints(const Mode& before, Mode& mode, doubl
     const auto is_breaking = [&](std::size_t i) {
         return std::find(breaking.begin(), breaking.end(), static_cast<int>(i)) != breaking.end();
     };
-    using Answer = tree_joints::Rubbing::Answer;
+    const bool depends = rubbing.independent(resting).size() < resting.size();
+    const auto holders = [&](const std::vector<int>& s) {
+        std::vector<std::size_t> found;
+        std::ranges::copy_if(resting, std::back_inserter(found), [&](std::size_t i) { return s[i] == 0; });
+        return found;
+    };
+    const auto is_held_by_others = [&](const std::vector<int>& s, std::size_t i) {
+        std::vector<std::size_t> with = holders(s);
+        const std::size_t held_alone = rubbing.independent(with).size();
+        with.push_back(i);
+        return rubbing.independent(with).size() == held_alone;
+    };
     const auto limit = [&](const Answer& a, std::size_t i) {
         return joints_[i].mu_static * joints_[i].radius * a.pressing(i);
     };
     // how far what rests is from the laws: beyond its limit, or sliding against its friction
     const auto amiss = [&](const Answer& a, const std::vector<int>& s, std::size_t i) {
+        const bool is_wrong = depends && (s[i] == 0 ? is_breaking(i) : is_held_by_others(s, i));
+        if (is_wrong) return std::numeric_limits<double>::infinity();
         if (s[i] == 0) return std::abs(a.friction[i]) - limit(a, i) - rubbing.noise[i];
         return -static_cast<double>(s[i]) * a.acceleration[i] - rubbing.noise[i] * rubbing.matrix[i][i];
     };
-    Answer answer = rubbing.solve(joints_, sign);
-    bool is_found = false;
-    for (const std::size_t i : resting)
-        if (is_breaking(i)) sign[i] = answer.friction[i] > 0.0 ? -1 : 1;
-    for (std::size_t turn = 0; turn <= 3 * n && !is_found; ++turn) {
+    Answer answer;
+    // in a loop more joints may come to rest than it needs to be held: friction within all limits is one choice of many
+    const auto is_rest = [&](const std::vector<int>& way) {
+        answer = rubbing.solve(joints_, way);
+        return answer.is_solved && std::ranges::all_of(resting, [&](std::size_t i) {
+                   if (std::abs(way[i]) == Rubbing::stays) return true;
+                   return way[i] == Rubbing::idle ? !is_breaking(i) : amiss(answer, way, i) <= 0.0;
+               });
+    };
+    bool is_found = depends && rubbing.share(resting, sign, is_rest);
+    if (!is_found) {
         answer = rubbing.solve(joints_, sign);
-        std::size_t worst = n;
-        double most = 0.0;
-        for (const std::size_t i : resting) {
-            const double off = amiss(answer, sign, i);
-            const double part = sign[i] == 0 ? off / (limit(answer, i) + rubbing.noise[i]) : off > 0.0 ? 1e300 : 0.0;
-            if (!(part > most)) continue;
-            most = part;
-            worst = i;
+        for (const std::size_t i : resting)
+            if (is_breaking(i)) sign[i] = answer.friction[i] > 0.0 ? -1 : 1;
+        for (std::size_t turn = 0; turn <= 3 * n && !is_found; ++turn) {
+            answer = rubbing.solve(joints_, sign);
+            std::size_t worst = n;
+            double most = 0.0;
+            for (const std::size_t i : resting) {
+                const double off = amiss(answer, sign, i);
+                const double part = sign[i] == 0 ? off / (limit(answer, i) + rubbing.noise[i])
+                                    : off > 0.0  ? 1e300
+                                                 : 0.0;
+                if (!(part > most)) continue;
+                most = part;
+                worst = i;
+            }
+            is_found = worst == n;
+            if (worst == n) break;
+            sign[worst] = sign[worst] != 0 ? 0 : answer.friction[worst] > 0.0 ? -1 : 1;
         }
-        is_found = worst == n;
-        if (worst == n) break;
-        sign[worst] = sign[worst] != 0 ? 0 : answer.friction[worst] > 0.0 ? -1 : 1;
     }
     // each way that what rests may go on
     for (std::size_t way = 0, ways = 1; !(is_found && answer.is_solved) && resting.size() <= 7; ++way) {
@@ -254,33 +207,20 @@ RBDYN_INLINE void TreeModel::decide_joints(const Mode& before, Mode& mode, doubl
         mode.impossible = "no friction in the joints satisfies its law, of " + names;
         return;
     }
-    // in a loop what is held by more joints than it needs has friction that is not unique
-    mechanics::Square held_by;
-    std::vector<std::size_t> holding;
-    for (std::size_t i = 0; i < n; ++i)
-        if (sign[i] == 0) holding.push_back(i);
-    for (const std::size_t i : holding) {
-        held_by.emplace_back();
-        for (const std::size_t j : holding) held_by.back().push_back(rubbing.matrix[i][j]);
-    }
-    for (std::size_t k = 0; k < holding.size(); ++k) {
-        if (held_by[k][k] > 1e-10 * rubbing.matrix[holding[k]][holding[k]]) {
-            for (std::size_t i = k + 1; i < holding.size(); ++i)
-                for (std::size_t j = k + 1; j < holding.size(); ++j)
-                    held_by[i][j] -= held_by[i][k] * held_by[k][j] / held_by[k][k];
-            continue;
+    // the same of what rests while others begin to move
+    if (const auto held_now = holders(sign); rubbing.independent(held_now).size() < held_now.size())
+        if (!rubbing.share(held_now, sign, is_rest)) {
+            mode.impossible = "the joint of " + joints_[held_now.back()].name +
+                              " comes to rest in a loop that others hold already, and friction that is not unique is "
+                              "not found in this version";
+            return;
         }
-        mode.impossible = "the joint of " + joints_[holding[k]].name +
-                          " comes to rest in a loop that others hold already, and friction that is not unique is "
-                          "not found in this version";
-        return;
-    }
     const double length = size_of(state.moving);
     for (std::size_t i = 0; i < n; ++i) {
         const double rate = slip[i];
-        if (sign[i] == tree_joints::Rubbing::gone) continue;
-        if (sign[i] == 0) {
-            first[static_cast<std::ptrdiff_t>(i)] = held;
+        if (sign[i] == Rubbing::gone) continue;
+        if (sign[i] == 0 || sign[i] == Rubbing::idle) {
+            first[static_cast<std::ptrdiff_t>(i)] = sign[i] == 0 ? held : idle;
             carry(mode, static_cast<int>(i), t, x);
             continue;
         }
@@ -290,6 +230,9 @@ RBDYN_INLINE void TreeModel::decide_joints(const Mode& before, Mode& mode, doubl
         const signed char now = sliding_state(mode, static_cast<int>(i), t, x, sign[i], begins, rate, late_rate[i],
                                               size, length, answer.load[i], rubbing.load_size[i]);
         first[static_cast<std::ptrdiff_t>(i)] = now;
+        if (std::abs(sign[i]) != Rubbing::stays) continue;
+        first[static_cast<std::ptrdiff_t>(i)] = static_cast<signed char>((now & ~from_rest) | idle);
+        carry(mode, static_cast<int>(i), t, x);
     }
     choose(mode, t, x, {}, true);
 }
@@ -330,75 +273,8 @@ RBDYN_INLINE bool TreeModel::joints_slip(const Mode& mode, double t, std::span<c
     return false;
 }
 
-RBDYN_INLINE void TreeModel::rub_landing(const Mode& mode, double t, std::span<double> x,
-                                         const std::vector<mechanics::Moving<double>>& before) const {
-    using tree_joints::Rubbing;
-    const std::size_t n = joints_.size();
-    const mechanics::Tree& tree = *tree_in(mode);
-    const auto all = moving(mode, t, x);
-    const auto accelerate = mechanics::accelerate<double>(tree, all);
-    const std::vector<mechanics::Row<double>> none;
-    const mechanics::FrictionResponse<double> response(tree, joints_, accelerate, t, all, none);
-    Rubbing rubbing;
-    std::vector<int> sign;
-    for (std::size_t i = 0; i < n; ++i) {
-        const mechanics::RoughJoint& joint = joints_[i];
-        Vector3 pressed = Vector3::Zero();
-        double size = 0.0;
-        for (int body = joint.body; body < bodies(); ++body) {
-            if (!response.carries(joint.body, body)) continue;
-            const Vector3 arm = exactly<double>(tree.node(body).center);
-            const auto velocity = [&](const mechanics::Moving<double>& m) {
-                return Vector3(m.velocity_at(m.to_world(arm)));
-            };
-            const double mass = static_cast<double>(tree.node(body).mass);
-            pressed += mass * (velocity(all[at(body)]) - velocity(before[at(body)]));
-            size += mass * (velocity(all[at(body)]).norm() + velocity(before[at(body)]).norm());
-        }
-        const bool flies_on = is_flying(mode, joint.body);
-        const double slip = flies_on ? 0.0 : joint.slip(t, all, x[at(tree_->positions() + joint.v)]);
-        sign.push_back(flies_on ? Rubbing::gone : slip > 0.0 ? 1 : slip < 0.0 ? -1 : 0);
-        rubbing.acceleration.push_back(slip);
-        rubbing.load.push_back(response.across(i, pressed));
-        rubbing.load_size.push_back(size);
-        rubbing.noise.push_back(1e-14 * size * joint.radius);
-        rubbing.alone.push_back(response.alone(i));
-        rubbing.matrix.emplace_back();
-        rubbing.by.emplace_back();
-        for (std::size_t j = 0; j < n; ++j) {
-            rubbing.matrix.back().push_back(response.acceleration(i, j));
-            rubbing.by.back().push_back(response.load(i, j));
-        }
-    }
-    Rubbing::Answer answer;
-    const auto is_beyond = [&](std::size_t i) {
-        return sign[i] == 0 && std::abs(answer.friction[i]) >
-                                   joints_[i].mu_dynamic * joints_[i].radius * answer.pressing(i) + rubbing.noise[i];
-    };
-    const auto turns_back = [&](std::size_t i) {
-        return (sign[i] == 1 || sign[i] == -1) && static_cast<double>(sign[i]) * answer.acceleration[i] < 0.0;
-    };
-    for (std::size_t turn = 0; turn <= 3 * n; ++turn) {
-        answer = rubbing.solve(joints_, sign);
-        std::size_t next = n;
-        for (std::size_t i = 0; i < n && next == n; ++i)
-            if (is_beyond(i) || turns_back(i)) next = i;
-        if (next == n) break;
-        sign[next] = sign[next] != 0 ? 0 : answer.friction[next] > 0.0 ? -1 : 1;
-    }
-    std::vector<double> u(at(tree.velocities()), 0.0);
-    for (std::size_t i = 0; i < n; ++i)
-        if (sign[i] != Rubbing::gone)
-            for (std::size_t k = 0; k < u.size(); ++k) u[k] += response.driven(i)[k] * answer.friction[i];
-    const std::vector<double> changes = mechanics::velocity_changes<double>(tree, accelerate.spread(u));
-    for (int k = 0; k < tree.velocities(); ++k) x[at(tree_->positions() + k)] += changes[at(k)];
-    for (std::size_t i = 0; i < n; ++i)
-        if (sign[i] == 0) carry(mode, static_cast<int>(i), t, x);
-}
-
 RBDYN_INLINE bool TreeModel::heed_joints(const Mode& mode, Mode& after, std::span<const int> fired, double t,
-                                         std::span<double> x, std::vector<int>& breaking,
-                                         std::vector<Happening>& happenings) const {
+                                         std::span<double> x, Fired& events, std::vector<Happening>& happenings) const {
     using namespace mechanics::joint_state;
     bool changes = fired.empty();
     for (const int index : fired) {
@@ -408,11 +284,12 @@ RBDYN_INLINE bool TreeModel::heed_joints(const Mode& mode, Mode& after, std::spa
         mechanics::JointMemory memory = joint_memory(after, guard.joint);
         switch (guard.kind) {
             case EventKind::slip:
-                breaking.push_back(guard.joint);
+                events.rubbed_breaking.push_back(guard.joint);
                 changes = true;
                 break;
             case EventKind::stick:
                 carry(mode, guard.joint, t, x);
+                events.rubbed_stopping.push_back(guard.joint);
                 changes = true;
                 break;
             case EventKind::singular:
@@ -439,6 +316,11 @@ RBDYN_INLINE bool TreeModel::heed_joints(const Mode& mode, Mode& after, std::spa
                     state = static_cast<signed char>(state & ~from_rest);
                 } else if (has(state, unloaded)) {
                     changes = true;
+                } else if (guard.name.starts_with("direction")) {
+                    const std::vector<double> said = said_of_joints(mode, t, x);
+                    const double* const one = said.data() + mechanics::JointMemory::said * at(guard.joint);
+                    const double size = std::hypot(one[1], one[2]);
+                    memory.along = {one[1] / size, one[2] / size};
                 } else if (!has(state, veering)) {
                     memory.turns = true;
                     state = static_cast<signed char>(state | veering);
@@ -448,15 +330,35 @@ RBDYN_INLINE bool TreeModel::heed_joints(const Mode& mode, Mode& after, std::spa
         }
         memory.put(after.memory.data() + place_of_joint(guard.joint));
     }
-    return changes;
+    // what stops together does so within the rounding of its rates, and of the time
+    const bool stops = std::ranges::any_of(
+        fired, [&](int index) { return mode.equations->guards[at(index)].kind == EventKind::stick; });
+    if (!stops || joints_.empty()) return changes;
+    Evaluator<double> values(mode.equations->program);
+    values.set_parameters(mode.parameters);
+    values(t, x);
+    const auto all = moving(mode, t, x);
+    std::vector<int> others;
+    for (int i = 0; i < static_cast<int>(joints_.size()); ++i) {
+        const signed char state = mode.slip[at(first_joint() + i)];
+        if (!is_sliding(state) || has(state, from_rest)) continue;
+        const double late =
+            8.0 * epsilon *
+            std::abs(t * joints_[at(i)].pace(all) * values.output(tree_->positions() + joints_[at(i)].v));
+        const double slip = std::abs(slip_of(mode, mode, i, t, x));
+        if (slip > 0.0 && slip <= std::max(16.0 * joint_memory(mode, i).least_rate, late)) others.push_back(i);
+    }
+    for (const int i : others) carry(mode, i, t, x);
+    events.rubbed_stopping.insert(events.rubbed_stopping.end(), others.begin(), others.end());
+    return changes || !others.empty();
 }
 
 RBDYN_INLINE void TreeModel::rub(const Mode& mode, Mode& after, std::span<const int> fired, double t,
                                  std::span<double> x, std::vector<Happening>& happenings) const {
-    std::vector<int> breaking;
-    const bool changes = heed_joints(mode, after, fired, t, x, breaking, happenings);
+    Fired events;
+    const bool changes = heed_joints(mode, after, fired, t, x, events, happenings);
     if (!after.impossible.empty()) return;
-    changes ? settle_joints(mode, after, t, x, breaking) : choose(after, t, x, {});
+    changes ? settle_joints(mode, after, t, x, events.rubbed_breaking) : choose(after, t, x, {});
     if (after.impossible.empty()) tell_joints(mode, after, happenings);
 }
 

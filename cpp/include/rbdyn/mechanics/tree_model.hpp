@@ -149,10 +149,10 @@ private:
     struct Fired {
         std::vector<int> landing, doubtful, breaking, stopping, turning, singular;
         std::vector<int> resisted_breaking, resisted_stopping, resisted_turning;  // of resistances
-        std::vector<int> resisted_ending;  // those of the last that turn no more before they stop
-        std::vector<int> stuck;            // by an impact
-        std::vector<int> rubbed_breaking;  // joints
-        std::span<const double> largest;   // sizes of variables so far; empty: not known
+        std::vector<int> resisted_ending;                   // those of the last that turn no more before they stop
+        std::vector<int> stuck;                             // by an impact
+        std::vector<int> rubbed_breaking, rubbed_stopping;  // joints
+        std::span<const double> largest;                    // sizes of variables so far; empty: not known
         bool has(int contact) const;
         bool none() const;
     };
@@ -217,6 +217,9 @@ private:
                        const std::vector<int>& candidates, const Fired& fired) const;
     /// Contacts whose forces have come to zero where they were held or slid; those of friction have, too.
     std::vector<int> ending(const Mode& before, double t, std::span<const double> x, const Fired& fired) const;
+    /// Whether what is left of a slip is rounding of the speeds that made it up, or what it loses within the rounding
+    /// of the time at which its end is located.
+    bool is_at_end(const Mode& before, int contact, double t, std::span<const double> x) const;
     void settle_breaking(const Mode& before, Mode& mode, double t, std::span<double> x,
                          const std::vector<int>& candidates, const Fired& fired, std::vector<int> breaking) const;
     /// Which contacts begin to slide by forces found, and along which directions: of those of the same bodies that do
@@ -512,9 +515,11 @@ private:
     bool surfaces_jump(const Mode& mode, const Mode& after, double t, std::span<const double> x) const;
     /// Whether what is held has come beyond its limit at a state, by what jumped.
     bool joints_slip(const Mode& mode, double t, std::span<const double> x) const;
-    /// What guards of joints say of their states. Returns whether more than their form changes; adds those that break.
+    /// What guards of joints say of their states, and which of them stop with what stops there, joints or contacts: all
+    /// that has one freedom does, and what is left of its rates is rounding. Returns whether more than their form
+    /// changes.
     bool heed_joints(const Mode& mode, Mode& after, std::span<const int> fired, double t, std::span<double> x,
-                     std::vector<int>& breaking, std::vector<Happening>& happenings) const;
+                     Fired& events, std::vector<Happening>& happenings) const;
     // --- friction in joints beside contacts (tree_joint_contacts.ipp) ---
 
     /// What joints that slide in a mode do against what presses them.
@@ -522,6 +527,8 @@ private:
     /// settle_rough() or settle_resisted(): what contacts do while joints do what they do in a mode.
     void settle_contacts(const Mode& before, Mode& mode, double t, std::span<double> x,
                          const std::vector<int>& candidates, const Fired& fired) const;
+    /// Adds the contacts that stop with joints that do.
+    void stop_with_joints(const Mode& mode, double t, std::span<const double> x, Fired& fired) const;
     /// Those of some contacts that were pressed, or have fired: without those whose forces have come to zero.
     std::vector<int> still_pressed(const Mode& before, double t, std::span<const double> x,
                                    const std::vector<int>& candidates, const Fired& fired) const;
@@ -529,6 +536,11 @@ private:
     void settle_all(const Mode& before, Mode& mode, double t, std::span<double> x, const std::vector<int>& candidates,
                     const Fired& fired) const;
     struct Rubbed;
+    /// What joints that go on in some way, and contacts, exert: from directions in which the joints are pressed at
+    /// first.
+    Rubbed pressed(const Mode& before, const Mode& mode, double t, std::span<double> x,
+                   const std::vector<int>& candidates, const Fired& fired, const std::vector<int>& sign,
+                   std::vector<std::array<double, 2>> along) const;
     /// One way that joints may go on, in place of those that a mode has: what contacts do then, and how far joints are
     /// from their laws.
     Rubbed tried(const Mode& before, const Mode& mode, double t, std::span<double> x,

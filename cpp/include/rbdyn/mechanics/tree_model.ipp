@@ -398,9 +398,13 @@ RBDYN_INLINE void TreeModel::observe(const Mode& mode, double t, std::span<const
         return body_held(tree_->size() + i) ? static_cast<float>(scale) : 0.0F;
     };
     std::vector<bool> touches(at(bodies()), false);
-    for (const mechanics::ContactLaw& c : conditions_->contacts())
-        for (const int body : {c.a.body, c.b.body})
-            if (body >= 0) touches[at(body)] = true;
+    std::vector<double> spans(at(bodies()), 0.0);  // of places that contacts hold: from how far [m]
+    for (int k = 0; k < contacts(); ++k)
+        for (const int body : {conditions_->contacts()[at(k)].a.body, conditions_->contacts()[at(k)].b.body}) {
+            if (body < 0) continue;
+            touches[at(body)] = true;
+            if (mode.slip[at(k)] != flies) spans[at(body)] = std::max(spans[at(body)], size_of(k, state.moving));
+        }
     // how quickly a body, or one that carries it, could begin to turn by the forces on it [rad/s]
     std::vector<double> paces(at(bodies()), 0.0);
     const double late = contacts() > 0 ? 16.0 * epsilon * (std::abs(t) + ahead()) : 0.0;
@@ -411,7 +415,8 @@ RBDYN_INLINE void TreeModel::observe(const Mode& mode, double t, std::span<const
         const double mass = static_cast<double>(n.mass);
         double turned = 0.0;                   // what moves it with that pace [N m]
         double known = tree_models::rounding;  // what of that is rounding
-        out.push_back({b.center, true, 0.0, b.center.norm(), Alike::place, place_held(i, size_)});
+        out.push_back(
+            {b.center, true, 0.0, std::max(b.center.norm(), spans[at(i)]), Alike::place, place_held(i, size_)});
         out.push_back({b.velocity, false, 0.0, b.velocity.norm(), Alike::velocity, place_held(i, fastest),
                        mass > 0.0 ? b.effort.force.norm() / mass : 0.0});
         if (!n.is_point) {
@@ -455,9 +460,10 @@ RBDYN_INLINE void TreeModel::observe(const Mode& mode, double t, std::span<const
             const Vector3 resists = m.joint.front().turn * m.joint.front().turn.dot(moment);
             moment -= resists;
             const signed char does = mode.slip[at(first_joint()) + static_cast<std::size_t>(rubs - joints_.begin())];
-            const double most = mechanics::joint_state::is_sliding(does)
-                                    ? rubs->mu_dynamic * rubs->radius * b.effort.force.norm()
-                                    : b.effort.moment.norm();
+            const double most =
+                mechanics::joint_state::resists(does)
+                    ? rubs->coefficient(mechanics::joint_state::is_sliding(does)) * rubs->radius * b.effort.force.norm()
+                    : b.effort.moment.norm();
             held(resists, most, Alike::torque);
         }
         held(moment, b.effort.moment.norm(), Alike::torque);

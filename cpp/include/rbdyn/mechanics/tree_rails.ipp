@@ -21,6 +21,7 @@
 #include "rbdyn/mechanics/closure.hpp"
 #include "rbdyn/mechanics/foot.hpp"
 #include "rbdyn/mechanics/loose_rail.hpp"
+#include "rbdyn/mechanics/rubbing.hpp"
 #include "rbdyn/mechanics/tree_model.hpp"
 #include "rbdyn/mechanics/tree_writer.hpp"
 #include "rbdyn/model/leading_sign.hpp"
@@ -267,6 +268,72 @@ RBDYN_INLINE void TreeModel::leave_or_land(const Mode& mode, Mode& after, std::s
     }
     settle_loose(mode, after, t, x, &happenings);
     if (after.impossible.empty()) tell_joints(mode, after, happenings);
+}
+
+RBDYN_INLINE void TreeModel::rub_landing(const Mode& mode, double t, std::span<double> x,
+                                         const std::vector<mechanics::Moving<double>>& before) const {
+    using tree_joints::Rubbing;
+    const std::size_t n = joints_.size();
+    const mechanics::Tree& tree = *tree_in(mode);
+    const auto all = moving(mode, t, x);
+    const auto accelerate = mechanics::accelerate<double>(tree, all);
+    const std::vector<mechanics::Row<double>> none;
+    const mechanics::FrictionResponse<double> response(tree, joints_, accelerate, t, all, none);
+    Rubbing rubbing;
+    std::vector<int> sign;
+    for (std::size_t i = 0; i < n; ++i) {
+        const mechanics::RoughJoint& joint = joints_[i];
+        Vector3 pressed = Vector3::Zero();
+        double size = 0.0;
+        for (int body = joint.body; body < bodies(); ++body) {
+            if (!response.carries(joint.body, body)) continue;
+            const Vector3 arm = exactly<double>(tree.node(body).center);
+            const auto velocity = [&](const mechanics::Moving<double>& m) {
+                return Vector3(m.velocity_at(m.to_world(arm)));
+            };
+            const double mass = static_cast<double>(tree.node(body).mass);
+            pressed += mass * (velocity(all[at(body)]) - velocity(before[at(body)]));
+            size += mass * (velocity(all[at(body)]).norm() + velocity(before[at(body)]).norm());
+        }
+        const bool flies_on = is_flying(mode, joint.body);
+        const double slip = flies_on ? 0.0 : joint.slip(t, all, x[at(tree_->positions() + joint.v)]);
+        sign.push_back(flies_on ? Rubbing::gone : slip > 0.0 ? 1 : slip < 0.0 ? -1 : 0);
+        rubbing.acceleration.push_back(slip);
+        rubbing.load.push_back(response.across(i, pressed));
+        rubbing.load_size.push_back(size);
+        rubbing.noise.push_back(1e-14 * size * joint.radius);
+        rubbing.alone.push_back(response.alone(i));
+        rubbing.matrix.emplace_back();
+        rubbing.by.emplace_back();
+        for (std::size_t j = 0; j < n; ++j) {
+            rubbing.matrix.back().push_back(response.acceleration(i, j));
+            rubbing.by.back().push_back(response.load(i, j));
+        }
+    }
+    Rubbing::Answer answer;
+    const auto is_beyond = [&](std::size_t i) {
+        return sign[i] == 0 && std::abs(answer.friction[i]) >
+                                   joints_[i].mu_dynamic * joints_[i].radius * answer.pressing(i) + rubbing.noise[i];
+    };
+    const auto turns_back = [&](std::size_t i) {
+        return (sign[i] == 1 || sign[i] == -1) && static_cast<double>(sign[i]) * answer.acceleration[i] < 0.0;
+    };
+    for (std::size_t turn = 0; turn <= 3 * n; ++turn) {
+        answer = rubbing.solve(joints_, sign);
+        std::size_t next = n;
+        for (std::size_t i = 0; i < n && next == n; ++i)
+            if (is_beyond(i) || turns_back(i)) next = i;
+        if (next == n) break;
+        sign[next] = sign[next] != 0 ? 0 : answer.friction[next] > 0.0 ? -1 : 1;
+    }
+    std::vector<double> u(at(tree.velocities()), 0.0);
+    for (std::size_t i = 0; i < n; ++i)
+        if (sign[i] != Rubbing::gone)
+            for (std::size_t k = 0; k < u.size(); ++k) u[k] += response.driven(i)[k] * answer.friction[i];
+    const std::vector<double> changes = mechanics::velocity_changes<double>(tree, accelerate.spread(u));
+    for (int k = 0; k < tree.velocities(); ++k) x[at(tree_->positions() + k)] += changes[at(k)];
+    for (std::size_t i = 0; i < n; ++i)
+        if (sign[i] == 0) carry(mode, static_cast<int>(i), t, x);
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM

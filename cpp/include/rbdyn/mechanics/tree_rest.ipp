@@ -151,7 +151,7 @@ RBDYN_INLINE bool TreeModel::is_held_in_time(const Mode& mode, double t, std::sp
     // what friction pushes goes with what presses, and is told by its rates alone
     if (std::any_of(mode.slip.begin(), mode.slip.begin() + first_joint(), slides)) return false;
     for (std::size_t i = 0; i < joints_.size(); ++i)
-        if (mechanics::joint_state::is_sliding(mode.slip[at(first_joint()) + i])) return false;
+        if (mechanics::joint_state::resists(mode.slip[at(first_joint()) + i])) return false;
     // what acts where everything is: sums of what changes in time, each along a constant direction
     const auto numbers = given().cells.empty() ? nullptr : std::make_shared<Numbers>(given());
     const Numbers::Active active(numbers.get());

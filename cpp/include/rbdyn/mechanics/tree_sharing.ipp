@@ -144,10 +144,8 @@ RBDYN_INLINE std::vector<double> TreeModel::forces_with_joints(
         by.push_back(said(static_cast<int>(l), size));
         for (std::size_t i = 0; i < by.back().size(); ++i) by.back()[i] = (by.back()[i] - none[i]) / size;
     }
-    // k e . R >= |T|, e the direction of R at the last answer: |R| is no less
-    std::vector<double> parts(loose.size(), 0.0);
-    bool is_other = false;  // the direction that what is loose presses in
-    for (int pass = 0; pass < 8; ++pass) {
+    // k e . R >= |T|, e the direction of R at an answer: |R| is no less
+    const auto inside = [&](const std::vector<double>& at_last, bool is_other, std::vector<double>* nearest) {
         std::vector<double> whole = force;
         mechanics::Square ways = directions;
         std::vector<mechanics::Cone> with = cones;
@@ -157,7 +155,7 @@ RBDYN_INLINE std::vector<double> TreeModel::forces_with_joints(
                 for (std::size_t l = 0; l < c.size(); ++l) sum += c[l] * by[l][numbers * j + 1 + k];
                 return sum;
             };
-            double e[2] = {load(parts, 0), load(parts, 1)};
+            double e[2] = {load(at_last, 0), load(at_last, 1)};
             if (const double length = std::hypot(e[0], e[1]); !is_other && length > 1e-9 * size)
                 for (double& part : e) part /= length;
             else
@@ -173,18 +171,31 @@ RBDYN_INLINE std::vector<double> TreeModel::forces_with_joints(
                 ways[l].insert(ways[l].end(), {e[0] * by[l][numbers * j + 1] + e[1] * by[l][numbers * j + 2],
                                                by[l][numbers * j] / radius, 0.0});
         }
-        const std::vector<double> found = mechanics::forces_inside(whole, ways, with, size);
-        if (found.empty()) {
-            // along another way of pressing there may be some
-            if (pass > 0) return {};
-            is_other = true;
-            continue;
-        }
-        is_other = false;
+        return mechanics::forces_inside(whole, ways, with, size, nearest);
+    };
+    const auto apart = [](const std::vector<double>& c, const std::vector<double>& other) {
         double change = 0.0;
-        for (std::size_t l = 0; l < found.size(); ++l) change = std::max(change, std::abs(found[l] - parts[l]));
-        parts = found;
-        if (change <= 1e-6 * size) break;
+        for (std::size_t l = 0; l < c.size(); ++l) change = std::max(change, std::abs(c[l] - other[l]));
+        return change;
+    };
+    // as joints are pressed without what is loose, along another way of pressing, and where least is lacking there
+    std::vector<double> nearest[2];
+    const std::vector<double> nothing(loose.size(), 0.0);
+    std::vector<double> parts;
+    for (const bool is_other : {false, true}) {
+        nearest[is_other ? 1 : 0] = nothing;
+        if (parts.empty()) parts = inside(nothing, is_other, &nearest[is_other ? 1 : 0]);
+    }
+    for (std::vector<double>& near : nearest)
+        for (int pass = 0; pass < 40 && parts.empty(); ++pass) {
+            const std::vector<double> last = near;
+            parts = inside(last, false, &near);
+            if (apart(near, last) <= 1e-12 * size) break;
+        }
+    for (int pass = 0; pass < 7 && !parts.empty(); ++pass) {
+        const std::vector<double> last = parts;
+        parts = inside(last, false, nullptr);
+        if (!parts.empty() && apart(parts, last) <= 1e-6 * size) break;
     }
     return parts;
 }

@@ -351,10 +351,11 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
     set_exactly(mode, fired, t, x, rest);
     Encounter now(*this, mode, after, t, x, rest, happenings);
     now.events.largest = largest;
-    const bool joints_change = heed_joints(mode, after, fired, t, x, now.events.rubbed_breaking, happenings);
+    const bool joints_change = heed_joints(mode, after, fired, t, x, now.events, happenings);
     if (!after.impossible.empty()) return;
     now.forget();
     now.list(fired);
+    stop_with_joints(mode, t, x, now.events);
     now.reach();
     if (!fired.empty() && !joints_change && now.events.none()) return choose(after, t, x, {});
     after.impossible = lies_flat(now.closed, now.all, no_tilt);

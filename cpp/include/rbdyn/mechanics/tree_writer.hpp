@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -104,6 +105,9 @@ private:
     /// What of a contact's force the motion does not determine.
     Vector3Of<S> shared(std::size_t contact) const;
     void guard_friction(EquationsWriter& write, int contact) const;
+    /// Where contacts and joints slide, the determinant of what determines their forces: above zero where there is one
+    /// motion, whatever the signs of its factors, each of a contact or a joint with those before it.
+    std::optional<S> grip() const;
     /// How one side of a contact turns on the other, along the surface or about its normal.
     struct Turning {
         std::array<S, 2> last{S(0.0), S(0.0)}, rate{S(0.0), S(0.0)}, along{S(0.0), S(0.0)};  // as parameter; now

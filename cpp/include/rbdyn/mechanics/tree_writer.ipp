@@ -85,7 +85,7 @@ RBDYN_INLINE TreeWriter::TreeWriter(Recorder& r, const Tree& tree, const Conditi
     }
     for (const signed char state : joint_states_) {
         pressed_.emplace_back();
-        if (!joint_state::is_sliding(state)) continue;
+        if (!joint_state::resists(state)) continue;
         S numbers[JointMemory::parameters];
         for (S& one : numbers) one = r.parameter(r.new_parameter());
         pressed_.back() = {numbers[0], numbers[3], {numbers[1], numbers[2]}};
