@@ -9,9 +9,11 @@
 #include <cstddef>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "rbdyn/basics/error.hpp"
 #include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
 #include "rbdyn/expression/series_sizes.hpp"
@@ -42,7 +44,7 @@ RBDYN_INLINE double PathPiece::bound() const {
 
 RBDYN_INLINE bool PathPiece::may_vanish(double x) const {
     return std::abs(value(PathForces::along, x)) <=
-           std::max(noise(), 64.0 * std::numeric_limits<double>::epsilon() * bound());
+           std::max({noise(), rounding, 64.0 * std::numeric_limits<double>::epsilon() * bound()});
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM::statics
@@ -67,12 +69,22 @@ RBDYN_INLINE double PathPieces::rounding() {
     return 64.0 * std::numeric_limits<double>::epsilon() * sum;
 }
 
+RBDYN_INLINE double PathPieces::rounding_of_place() const {
+    double steepest = 0.0;
+    for (int k = 1; k <= statics::order; ++k)
+        steepest += k * std::abs(piece_.output[PathForces::along][static_cast<std::size_t>(k)]);
+    const double far = std::abs(piece_.middle) / piece_.half;
+    return 4.0 * std::numeric_limits<double>::epsilon() * far * steepest;
+}
+
 RBDYN_INLINE double PathPieces::natural(double u) {
     double unit = 1.0;
     if (u != 0.0) unit = power_of_two(std::abs(u));
     // measured in units near it
     for (int attempt = 0; attempt < 40; ++attempt) {
         expand(u, unit);
+        // too far for doubles, unless there is none at any distance
+        if (!is_finite_ && attempt == 4) return scale_of_values(u);
         if (!is_finite_) {
             unit *= 0x1p-24;
             continue;
@@ -84,6 +96,72 @@ RBDYN_INLINE double PathPieces::natural(double u) {
         unit *= power_of_two(std::clamp(scale, 0x1p-24, 0x1p24));
     }
     return unit;
+}
+
+RBDYN_INLINE double PathPieces::scale_of_values(double u) {
+    PathForces::Values q(forces_);
+    const double here = q(u), noise = 16.0 * std::numeric_limits<double>::epsilon() * forces_.effort(u);
+    // beside that, and beside where in a gap the place is
+    const double nearest = u == 0.0 ? 0x1p-1000 : 0x1p-36 * power_of_two(std::abs(u));
+    const auto changes_within = [&](double h, double part) {
+        return std::abs(q(u + h) - here) > part * std::abs(here) || std::abs(q(u - h) - here) > part * std::abs(here);
+    };
+    const bool is_zero = !std::isfinite(here) || std::abs(here) <= noise || changes_within(nearest, 0.5);
+    double scale = std::numeric_limits<double>::infinity();
+    for (const double way : {-1.0, 1.0}) {
+        std::optional<double> power;
+        double last = 0.0;
+        // as far as it differs from what it is here by less than half of that, or goes as one power of the way
+        for (double h = nearest; h < 0x1p1000 && h < scale; h *= 4.0) {
+            const double there = q(u + way * h);
+            if (!std::isfinite(there)) break;
+            if (!is_zero) {
+                if (std::abs(there - here) > 0.5 * std::abs(here)) scale = h;
+                continue;
+            }
+            if (there != 0.0 && last != 0.0) {
+                const double now = 0.5 * std::log2(there / last);
+                if (!power) power = now;
+                if (!(std::abs(now - *power) <= 0.1 * std::max(1.0, std::abs(*power)))) scale = h;
+            }
+            last = there;
+        }
+    }
+    if (std::isfinite(scale)) return scale;
+    return u == 0.0 ? 1.0 : power_of_two(std::abs(u));
+}
+
+RBDYN_INLINE double PathPieces::noise_at(double u, double width) {
+    const double noise = 16.0 * std::numeric_limits<double>::epsilon() * forces_.effort(u);
+    expand(u, width);
+    const double own = 8.0 * std::numeric_limits<double>::epsilon() * sizes()[0];
+    return std::isfinite(own) ? std::max(noise, own) : noise;
+}
+
+RBDYN_INLINE bool PathPieces::has_values(double u) {
+    choose(u);
+    (*values_)(0.0, std::span<const double>(&u, 1));
+    bool is_finite = std::isfinite(forces_.effort(u));
+    for (int k = 0; k < formula_.outputs; ++k) is_finite = is_finite && std::isfinite(values_->output(k));
+    return is_finite;
+}
+
+RBDYN_INLINE std::optional<double> PathPieces::leapt(double from, double way, double to, double least,
+                                                     double longest) {
+    // a series that ends at a branch point reaches a seventh of the way there
+    constexpr double part = 1.0 / 16.0;
+    for (double width = 4.0 * least;; width *= 2.0) {
+        if (!(width < std::abs(to - from))) return to;
+        const double beyond = from + way * width;
+        if (!has_values(beyond)) return std::nullopt;
+        if (expand(beyond + way * part * width, part * width) || width > longest) return beyond;
+    }
+}
+
+RBDYN_INLINE void PathPieces::refuse(double from, double way, double reach) {
+    const double place = has_values(from) ? from + way * reach : from;
+    throw InvalidInput(forces_.name() + ": at " + forces_.coordinate() + " " + text(place) + " " +
+                       forces_.not_finite(place) + " is not finite; it must be wherever the body can come");
 }
 
 RBDYN_INLINE int PathPieces::doublings(double u) {
@@ -235,7 +313,7 @@ RBDYN_INLINE bool PathPieces::expand(double middle, double half) {
         (*values_)(0.0, std::span<const double>(&u, 1));
         if (!std::isfinite(e)) continue;  // a formula that ends here
         const double off = std::abs(values_->output(PathForces::along) - piece_.value(PathForces::along, x));
-        holds_ = off <= 1e-11 * piece_.effort || off <= rounding();
+        holds_ = off <= 1e-11 * piece_.effort || off <= rounding() || off <= rounding_of_place();
     }
     return holds_;
 }

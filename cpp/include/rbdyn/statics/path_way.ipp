@@ -80,18 +80,25 @@ RBDYN_INLINE void PathEquilibria::walk(bool asked) {
     // what begins where one formula goes over to another one is cut there as elsewhere
     const auto cut_at_place = [&](std::size_t before) {
         if (before == 0 || before == path_.size()) return;
+        if (!adjoin(path_[before - 1].end(), path_[before])) return;
         if (!pieces_.changes_at(place_, std::min(path_[before - 1].half, path_[before].half))) return;
         path_[before - 1].cut_above = path_[before].cut_below = true;
     };
-    const auto keep = [&](const Piece& p) {
-        path_.push_back(p);
-        // the same force all along
-        return !(p.endless && is_same_all_along(p));
+    // whether it is not the same force all along
+    const auto keep_towards = [&](double way) {
+        return [this, way](const Piece& p) {
+            path_.push_back(p);
+            if (p.bound() == 0.0 && is_felt_beyond(p, way)) path_.back().polynomial = path_.back().endless = false;
+            return !(path_.back().endless && is_same_all_along(p));
+        };
     };
+    const auto down = keep_towards(-1.0), up = keep_towards(1.0);
+    const auto keep_gap = [&](const Gap& gap) { gaps_.push_back(gap); };
     if (std::isfinite(low_) && std::isfinite(high_)) {
-        if (pieces_.march(low_, high_, most_pieces, keep)) {
+        if (pieces_.march(low_, high_, most_pieces, up, keep_gap)) {
             // the seam of one round is a place as others
-            if (round_ > 0.0 && pieces_.changes_at(low_, std::min(path_.front().half, path_.back().half)))
+            if (round_ > 0.0 && !path_.empty() &&
+                pieces_.changes_at(low_, std::min(path_.front().half, path_.back().half)))
                 path_.front().cut_below = path_.back().cut_above = true;
             return;
         }
@@ -104,11 +111,12 @@ RBDYN_INLINE void PathEquilibria::walk(bool asked) {
                 std::to_string(most_about) + " are searched on each side, or take away what changes so quickly");
         // on both sides of the place
         path_.clear();
+        gaps_.clear();
         place_ = std::clamp(place_, low_, high_);
-        pieces_.march(place_, low_, most_about, keep);
+        pieces_.march(place_, low_, most_about, down, keep_gap);
         std::reverse(path_.begin(), path_.end());
         const std::size_t below = path_.size();
-        pieces_.march(place_, high_, most_about, keep);
+        pieces_.march(place_, high_, most_about, up, keep_gap);
         cut_at_place(below);
         round_ = 0.0;
         if (path_.empty()) return;
@@ -117,15 +125,29 @@ RBDYN_INLINE void PathEquilibria::walk(bool asked) {
         return;
     }
     const int most = most_stretches + pieces_.doublings(place_);
-    pieces_.march(place_, low_, most, keep);
-    std::reverse(path_.begin(), path_.end());
-    if (path_.size() == 1 && path_[0].endless && is_same_all_along(path_[0])) return;
-    const std::size_t below = path_.size();
-    pieces_.march(place_, high_, most, [&](const Piece& p) {
-        path_.push_back(p);
-        return true;
-    });
-    cut_at_place(below);
+    const auto walk_both_ways = [&](double scale) {
+        path_.clear();
+        gaps_.clear();
+        pieces_.march(place_, low_, most, down, keep_gap, scale);
+        std::reverse(path_.begin(), path_.end());
+        if (path_.size() == 1 && path_[0].endless && is_same_all_along(path_[0])) return;
+        const std::size_t below = path_.size();
+        const auto keep_all = [&](const Piece& p) {
+            up(p);
+            return true;
+        };
+        pieces_.march(place_, high_, most, keep_all, keep_gap, scale);
+        cut_at_place(below);
+    };
+    walk_both_ways(0.0);
+    // from beside a branch point series are short both ways, over whatever length the forces change
+    double scale = 0.0;
+    for (const Gap& gap : gaps_) {
+        const double middle = gap.from * gap.to <= 0.0 ? 0.0 : gap.from + 0.5 * (gap.to - gap.from);
+        if (const double own = pieces_.scale_of_values(middle); std::abs(middle - place_) < 0.125 * own)
+            scale = std::max(scale, own);
+    }
+    if (scale > 0.0) walk_both_ways(0.125 * scale);
 }
 
 RBDYN_INLINE std::vector<double> PathEquilibria::flat_places(const Piece& p) {
@@ -155,8 +177,9 @@ RBDYN_INLINE void PathEquilibria::refine(const Piece& p, int depth, std::vector<
     const auto is_small = [&](double x) {
         return !cut_end(p, x, at_end) && forces_.effort(p.place(x)) < 0x1p-6 * p.effort;
     };
-    const bool is_flat = p.bound() <= p.noise();
-    if (depth >= most_halvings || is_flat || !std::ranges::any_of(zeros_of(p), is_small)) {
+    // or where rounding of its own terms is no longer small beside it
+    const bool is_known = p.bound() > p.noise() && p.bound() > 0x1p20 * p.rounding;
+    if (depth >= most_halvings || !is_known || !std::ranges::any_of(zeros_of(p), is_small)) {
         path.push_back(p);
         return;
     }
@@ -164,8 +187,19 @@ RBDYN_INLINE void PathEquilibria::refine(const Piece& p, int depth, std::vector<
         Piece half = pieces_.about(p.middle + 0.5 * way * p.half, 0.5 * p.half);
         (way < 0.0 ? half.cut_below : half.cut_above) = way < 0.0 ? p.cut_below : p.cut_above;
         half.polynomial = p.polynomial;
+        half.rounding = pieces_.rounding();
         refine(half, depth + 1, path);
     }
+}
+
+RBDYN_INLINE bool PathEquilibria::is_felt_beyond(const Piece& p, double way) const {
+    PathForces::Values q(forces_);
+    for (double far = 2.0; far < 0x1p1000; far *= 2.0) {
+        const double u = p.middle + way * far * p.half;
+        if (u < low_ || u > high_) return false;
+        if (const double there = q(u); there != 0.0) return std::isfinite(there);
+    }
+    return false;
 }
 
 RBDYN_INLINE bool PathEquilibria::is_same_all_along(const Piece& p) const {
