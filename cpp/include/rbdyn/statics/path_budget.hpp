@@ -7,7 +7,7 @@
 // shrink, it may.
 #pragma once
 
-#include <limits>
+#include <cstddef>
 #include <vector>
 
 #include "rbdyn/basics/form.hpp"
@@ -39,13 +39,14 @@ private:
     };
     bool is_in_hollow() const;
 
-    // parts of the length around to which one falls; pieces looked back at, of which a few make each halving; and
-    // pieces in hollows
+    // parts of the length around to which one falls; pieces looked back at, of which a few make each halving and some
+    // tens the floor; and pieces in hollows
     static constexpr double deep = 8.0, steep = 4.0;
-    static constexpr int back = 16, most_in_hollows = 2000;
+    static constexpr std::size_t back = 64;
+    static constexpr int most_in_hollows = 2000;
 
     int most_, count_ = 0, taken_ = 0;
-    double longest_;
+    double longest_, largest_ = 0.0;
     std::vector<Crest> crests_;
     std::vector<double> halves_, forces_;
 };

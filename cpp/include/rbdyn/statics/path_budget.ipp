@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 
 namespace rbdyn::inline RBDYN_FORM::statics {
 
@@ -27,6 +26,7 @@ RBDYN_INLINE void PathBudget::take(double half, double force) {
     crests_.push_back({half, count_, is_behind ? half : least});
     halves_.push_back(half);
     forces_.push_back(std::abs(force));
+    largest_ = std::max(largest_, forces_.back());
 }
 
 RBDYN_INLINE bool PathBudget::is_left() const {
@@ -34,16 +34,16 @@ RBDYN_INLINE bool PathBudget::is_left() const {
 }
 
 RBDYN_INLINE bool PathBudget::is_in_hollow() const {
-    if (halves_.size() <= back) return false;
-    const std::size_t last = halves_.size() - 1;
-    const auto [least, most] = std::minmax_element(halves_.end() - back, halves_.end());
+    const std::size_t count = std::min(halves_.size(), back);
+    if (count < 2) return false;
+    const auto [least, most] = std::minmax_element(halves_.end() - static_cast<std::ptrdiff_t>(count), halves_.end());
     if (!(*least * steep <= *most)) return false;
-    if (least > most) {
-        const double now = forces_[last], before = forces_[last - back / 2], first = forces_[last - back];
-        return !(now > 1.5 * before && before > 1.5 * first);
-    }
     // those that only grow are in none
-    return crests_.front().half > halves_[last];
+    if (!(crests_.front().half > halves_.back())) return false;
+    constexpr std::size_t octave = 8;
+    if (least < most || count < 2 * octave + 1) return true;
+    const auto force = [&](std::size_t pieces) { return forces_[forces_.size() - 1 - pieces]; };
+    return !(force(0) >= largest_ && force(0) > 1.5 * force(octave) && force(octave) > 1.5 * force(2 * octave));
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM::statics

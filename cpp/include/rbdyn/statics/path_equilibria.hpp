@@ -94,8 +94,10 @@ private:
     void refine(const Piece& p, int depth, std::vector<Piece>& path);
     /// Whether the forces are the same on the whole piece, within rounding.
     bool is_same_all_along(const Piece& p) const;
-    /// Whether a force that underflows on a piece is more than that farther on.
-    bool is_felt_beyond(const Piece& p, double way) const;
+    /// Whether what is the same on a piece is so as far as is searched, where it is looked at.
+    bool is_same_beyond(const Piece& p, double way) const;
+    /// Whether a piece is as long as the way there from a place where series end lets it be.
+    static bool is_as_the_way(const Piece& p, double from);
     /// What rounding makes of hold, somewhere; of Q^2 where hold is its difference from nearly the same.
     double hold_noise(const Piece& p) const;
     double hold_noise(const Piece& p, double x) const;
@@ -145,6 +147,11 @@ private:
     /// Where Q is looked at in a gap, in order.
     static std::vector<double> places_in(const Gap& gap);
     void find_in(const Gap& gap);
+    /// Of places between which Q is rounding the one where a case distinction changes, or zero, or the middle.
+    static double center_of(const Gap& gap, double from, double to);
+    /// Whether the force q is more than at a place farther from a pole: there it grows beyond all bounds; at a jump it
+    /// is the same.
+    bool grows_from(Sampler& values, double beside, double q) const;
     /// A zero or a jump between two places on which Q has other signs, if it is no pole.
     void add_between(Sampler& values, const Sample& before, const Sample& after, const Gap& gap);
     void add_in_gap(double u, int before, int after, double width);

@@ -61,12 +61,12 @@ RBDYN_INLINE std::vector<statics::PathGap> PathEquilibria::joined_gaps() const {
 }
 
 RBDYN_INLINE std::vector<double> PathEquilibria::places_in(const Gap& gap) {
-    const double width = gap.to - gap.from;
+    // and a little beyond its ends, where the force goes on
+    const double width = gap.to - gap.from, beside = 0.125 * width;
     constexpr int steps = 64;
     std::vector<double> centers = gap.changes, places;
-    if (gap.from < 0.0 && gap.to > 0.0) centers.push_back(0.0);
-    for (int k = 0; k <= steps; ++k) places.push_back(gap.from + width * k / steps);
-    places.back() = gap.to;
+    if (gap.from <= 0.0 && gap.to >= 0.0) centers.push_back(0.0);
+    for (int k = -steps / 8; k <= steps + steps / 8; ++k) places.push_back(gap.from + width * k / steps);
     for (const double center : centers) {
         places.push_back(center);
         // as near as doubles tell, which at zero is far on
@@ -74,14 +74,18 @@ RBDYN_INLINE std::vector<double> PathEquilibria::places_in(const Gap& gap) {
         for (double part = 0.5; center + width * part != center; part *= halvings++ < steps ? 0.5 : 0x1p-8)
             for (const double way : {-1.0, 1.0}) places.push_back(center + way * width * part);
     }
-    std::erase_if(places, [&](double u) { return u < gap.from || u > gap.to; });
+    std::erase_if(places, [&](double u) { return u < gap.from - beside || u > gap.to + beside; });
     std::sort(places.begin(), places.end());
     places.erase(std::unique(places.begin(), places.end()), places.end());
     return places;
 }
 
 RBDYN_INLINE void PathEquilibria::find_in_gaps() {
-    for (const Gap& gap : joined_gaps()) find_in(gap);
+    for (Gap gap : joined_gaps()) {
+        const double beside = 0.125 * (gap.to - gap.from);
+        if (const auto u = pieces_.change_between(gap.from - beside, gap.to + beside)) gap.changes.push_back(*u);
+        find_in(gap);
+    }
 }
 
 RBDYN_INLINE void PathEquilibria::find_in(const Gap& gap) {
@@ -116,18 +120,28 @@ RBDYN_INLINE void PathEquilibria::find_in(const Gap& gap) {
     std::optional<std::size_t> last;
     for (std::size_t i = 0; i < all.size(); ++i) {
         if (all[i].sign == 0) continue;
-        if (last && i - *last > 1) {
-            // rounding in between: where a distinction changes, or at zero, if that is there
-            const double from = all[*last + 1].u, to = all[i - 1].u;
-            double place = from <= 0.0 && to >= 0.0 ? 0.0 : from + 0.5 * (to - from);
-            for (const double u : gap.changes)
-                if (u >= from && u <= to) place = u;
-            add_in_gap(place, all[*last].sign, all[i].sign, gap.to - gap.from);
-        } else if (last && all[*last].sign != all[i].sign) {
+        if (last && all[*last].sign != all[i].sign) {
             add_between(values, all[*last], all[i], gap);
+        } else if (last && i - *last > 1) {
+            // rounding in between
+            const double from = all[*last + 1].u, to = all[i - 1].u, place = center_of(gap, from, to);
+            const double aside = 32.0 * std::max(place - all[*last].u, all[i].u - place);
+            if (!grows_from(values, place - aside, all[*last].q) && !grows_from(values, place + aside, all[i].q))
+                add_in_gap(place, all[*last].sign, all[i].sign, gap.to - gap.from);
         }
         last = i;
     }
+}
+
+RBDYN_INLINE bool PathEquilibria::grows_from(Sampler& values, double beside, double q) const {
+    if (!std::isfinite(q)) return true;
+    return beside >= low_ && beside <= high_ && std::abs(q) > 1.1 * std::abs(values.value(beside));
+}
+
+RBDYN_INLINE double PathEquilibria::center_of(const Gap& gap, double from, double to) {
+    for (const double u : gap.changes)
+        if (u >= from && u <= to) return u;
+    return from <= 0.0 && to >= 0.0 ? 0.0 : from + 0.5 * (to - from);
 }
 
 RBDYN_INLINE void PathEquilibria::add_between(Sampler& values, const Sample& before, const Sample& after,
@@ -137,20 +151,17 @@ RBDYN_INLINE void PathEquilibria::add_between(Sampler& values, const Sample& bef
         const double middle = low + 0.5 * (high - low);
         if (!(middle > low && middle < high)) break;
         const double q = values.value(middle);
-        if (q == 0.0) return add_in_gap(middle, before.sign, after.sign, gap.to - gap.from);
+        if (std::isnan(q)) break;
         ((q < 0.0) == (at_low < 0.0) ? low : high) = middle;
         ((q < 0.0) == (at_low < 0.0) ? at_low : at_high) = q;
     }
-    // at a pole it grows beyond all bounds, at a jump it is the same a little farther away
     const double aside = 0x1p10 * (high - low);
-    const auto grows_to = [&](double q, double beside) {
-        return beside >= low_ && beside <= high_ && !(std::abs(q) <= 1.1 * std::abs(values.value(beside)));
-    };
-    if (!std::isfinite(at_low) || !std::isfinite(at_high)) return;
-    if (grows_to(at_low, low - aside) || grows_to(at_high, high + aside)) return;
+    if (grows_from(values, low - aside, at_low) || grows_from(values, high + aside, at_high)) return;
+    // where it is zero to rounding a place that is one in itself goes before others
     double place = std::abs(at_low) < std::abs(at_high) ? low : high;
     for (const double u : gap.changes)
-        if (std::abs(u - place) <= 4.0 * epsilon * std::abs(place)) place = u;
+        if (u >= before.u && u <= after.u && values.at(u).sign == 0) place = u;
+    if (before.u < 0.0 && after.u > 0.0 && values.at(0.0).sign == 0) place = 0.0;
     add_in_gap(place, before.sign, after.sign, gap.to - gap.from);
 }
 

@@ -32,6 +32,9 @@ namespace statics {
 
 inline constexpr int order = 20;
 
+/// Forces smaller than this are zero: the digits of their derivatives are beyond where doubles end.
+inline constexpr double least_force = 0x1p-900;
+
 /// The roots of c in [-1, 1] at which its sign changes, in increasing order.
 std::vector<double> roots_about_middle(const double* c, int degree);
 
@@ -176,6 +179,9 @@ public:
     /// Whether one formula of the forces goes over to another one at u, at the end of a piece.
     bool changes_at(double u, double half);
 
+    /// Where one goes over to another one between two places, if it does.
+    std::optional<double> change_between(double low, double high);
+
 private:
     static double power_of_two(double x);
     /// How near a place pieces of some length come: to few of its own roundings, and at zero to what values have to
@@ -185,6 +191,8 @@ private:
     /// there is the last one looked at. None where the forces are not finite.
     std::optional<double> leapt(double from, double way, double to, double least, double longest);
     bool has_values(double u);
+    /// On which sides of the case distinctions of the formula in use a place is.
+    std::vector<double> sides(double u);
     [[noreturn]] void refuse(double from, double way, double reach);
     /// The least unit in which a power that is rounding beside the largest one, though more than that of its own terms,
     /// is as large as that; 0 if there is none.

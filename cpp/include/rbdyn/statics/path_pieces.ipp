@@ -146,8 +146,7 @@ RBDYN_INLINE bool PathPieces::has_values(double u) {
     return is_finite;
 }
 
-RBDYN_INLINE std::optional<double> PathPieces::leapt(double from, double way, double to, double least,
-                                                     double longest) {
+RBDYN_INLINE std::optional<double> PathPieces::leapt(double from, double way, double to, double least, double longest) {
     // a series that ends at a branch point reaches a seventh of the way there
     constexpr double part = 1.0 / 16.0;
     for (double width = 4.0 * least;; width *= 2.0) {
@@ -199,19 +198,39 @@ RBDYN_INLINE double PathPieces::hidden() {
     return other;
 }
 
+RBDYN_INLINE std::vector<double> PathPieces::sides(double u) {
+    (*values_)(0.0, std::span<const double>(&u, 1));
+    std::vector<double> all;
+    for (int k = 0; k < formula_.guards; ++k) all.push_back(values_->output(formula_.outputs + k));
+    const int switches = static_cast<int>(formula_.program.switches().size());
+    for (int k = 0; k < switches; ++k) all.push_back(values_->switch_value(k));
+    return all;
+}
+
 RBDYN_INLINE bool PathPieces::changes_at(double u, double half) {
     if (formula_.is_smooth) return false;
     choose(u);
-    const auto sides = [&](double place) {
-        (*values_)(0.0, std::span<const double>(&place, 1));
-        std::vector<bool> above;
-        for (int k = 0; k < formula_.guards; ++k) above.push_back(values_->output(formula_.outputs + k) > 0.0);
-        const int switches = static_cast<int>(formula_.program.switches().size());
-        for (int k = 0; k < switches; ++k) above.push_back(values_->switch_value(k) > 0.0);
-        return above;
-    };
     const double aside = half * resolved(u, half);
-    return sides(u - aside) != sides(u + aside);
+    return !std::ranges::equal(sides(u - aside), sides(u + aside),
+                               [](double a, double b) { return (a > 0.0) == (b > 0.0); });
+}
+
+RBDYN_INLINE std::optional<double> PathPieces::change_between(double low, double high) {
+    if (formula_.is_smooth) return std::nullopt;
+    choose(low);
+    const std::vector<double> before = sides(low), after = sides(high);
+    for (std::size_t k = 0; k < before.size(); ++k) {
+        if (!(before[k] > 0.0 && after[k] < 0.0) && !(before[k] < 0.0 && after[k] > 0.0)) continue;
+        for (int halvings = 0; halvings < 1200; ++halvings) {
+            const double middle = low + 0.5 * (high - low);
+            if (!(middle > low && middle < high)) break;
+            const double there = sides(middle)[k];
+            if (there == 0.0) return middle;
+            ((there > 0.0) == (before[k] > 0.0) ? low : high) = middle;
+        }
+        return sides(low)[k] == 0.0 ? low : high;
+    }
+    return std::nullopt;
 }
 
 RBDYN_INLINE double PathPieces::power_of_two(double x) {
@@ -272,6 +291,7 @@ RBDYN_INLINE bool PathPieces::expand(double middle, double half) {
         for (int k = 0; k <= statics::order; ++k) is_finite_ = is_finite_ && std::isfinite(series_->output(j)[k]);
     for (int j = 0; j < outputs; ++j)
         std::copy_n(series_->output(j), statics::order + 1, piece_.output[static_cast<std::size_t>(j)].begin());
+    if (piece_.bound() < statics::least_force) piece_.output[PathForces::along].fill(0.0);
     piece_.effort = forces_.effort(middle);
     is_finite_ = is_finite_ && std::isfinite(piece_.effort);
     stretch_ = std::numeric_limits<double>::infinity();
@@ -279,7 +299,7 @@ RBDYN_INLINE bool PathPieces::expand(double middle, double half) {
     holds_ = false;
     if (!is_finite_) return false;
     for (int j = 0; j < all; ++j) {
-        const double* c = series_->output(j);
+        const double* c = j < outputs ? piece_.output[static_cast<std::size_t>(j)].data() : series_->output(j);
         std::array<double, statics::order + 1> size;
         for (int k = 0; k <= statics::order; ++k) size[static_cast<std::size_t>(k)] = std::abs(c[k]);
         const double e = piece_.effort;
@@ -303,17 +323,17 @@ RBDYN_INLINE bool PathPieces::expand(double middle, double half) {
     piece_.polynomial = std::isinf(stretch_);
     piece_.endless = piece_.polynomial && guards() == 0;
     holds_ = stretch_ >= 1.0;
-    // what the middle does not know of shows at the ends, where another formula may begin
-    constexpr double inside = 1.0 - 0x1p-20;
-    for (const double x : {-inside, inside}) {
+    // what the middle does not know of shows at the ends, of the formula that is right in it
+    for (const double x : {-1.0, 1.0}) {
         if (!holds_) break;
-        const double u = middle + half * x;
+        const double u = piece_.place(x);
         const double e = forces_.effort(u);
         piece_.effort = std::max(piece_.effort, e);
         (*values_)(0.0, std::span<const double>(&u, 1));
         if (!std::isfinite(e)) continue;  // a formula that ends here
         const double off = std::abs(values_->output(PathForces::along) - piece_.value(PathForces::along, x));
-        holds_ = off <= 1e-11 * piece_.effort || off <= rounding() || off <= rounding_of_place();
+        holds_ = off <= 1e-11 * piece_.effort || off <= statics::least_force || off <= rounding() ||
+                 off <= rounding_of_place();
     }
     return holds_;
 }

@@ -52,7 +52,7 @@ RBDYN_INLINE void PathEquilibria::find_points() {
     // those that rounding does not tell apart are one: that of the highest order
     std::vector<Point> apart;
     const auto is_one = [](const Point& p, const Point& q, double way) {
-        return way <= std::max({p.radius, q.radius, 1e-9 * q.half});
+        return way <= std::max(p.radius + q.radius, 1e-9 * q.half);
     };
     for (const Point& p : points_) {
         if (apart.empty() || !is_one(apart.back(), p, p.u - apart.back().u))
@@ -83,7 +83,10 @@ RBDYN_INLINE std::vector<PathEquilibria::Stretch> PathEquilibria::find_stretches
     constexpr int steps = 32;
     for (std::size_t i = 0; i < path_.size(); ++i) {
         const Piece& p = path_[i];
-        if (i > 0 && (p.cut_below || path_[i - 1].cut_above || !adjoin(path_[i - 1].end(), p))) {
+        // across a gap to where it is rounding, too
+        const bool goes_on = is_open && std::abs(p.value(PathForces::along, -1.0)) <= p.noise();
+        const bool is_gap = i > 0 && !adjoin(path_[i - 1].end(), p);
+        if (i > 0 && (p.cut_below || path_[i - 1].cut_above || (is_gap && !goes_on))) {
             is_open = false;
             last = 0;
         }
@@ -120,7 +123,8 @@ RBDYN_INLINE void PathEquilibria::judge(const Stretch& stretch) {
     }
     meet(stretch.after);
     if (count > 0 && agree) return;
-    if (count == 0 && underflows(stretch)) return add_in_gap(stretch.place(), stretch.before, stretch.after, stretch.to - stretch.from);
+    if (count == 0 && underflows(stretch))
+        return add_in_gap(stretch.place(), stretch.before, stretch.after, stretch.to - stretch.from);
     std::erase_if(points_, [&](const Point& p) { return stretch.has(p.u); });
     if (is_pushed(stretch.from + 0.5 * (stretch.to - stretch.from))) hidden_.emplace_back(stretch.from, stretch.to);
 }
@@ -130,7 +134,7 @@ RBDYN_INLINE bool PathEquilibria::underflows(const Stretch& stretch) {
     const double half = 0.5 * (stretch.to - stretch.from), middle = stretch.from + half;
     const Piece& p = pieces_.about(middle, half);
     // terms that cancel have a size
-    return p.bound() == 0.0 && pieces_.sizes()[0] == 0.0;
+    return p.bound() == 0.0 && pieces_.sizes()[0] < statics::least_force;
 }
 
 RBDYN_INLINE std::optional<double> PathEquilibria::cut_end(const Piece& piece, double x, double near) {
@@ -190,7 +194,7 @@ RBDYN_INLINE void PathEquilibria::add_jump(const Piece& before, const Piece& aft
 }
 
 RBDYN_INLINE void PathEquilibria::add_corner(double u, double half) {
-    const double step = 1e-6 * half;
+    const double step = std::max(1e-6 * half, 64.0 * epsilon * std::abs(u));
     const double before = forces_.along_path(u - step), after = forces_.along_path(u + step);
     Point point{u, half, before > 0.0 && after < 0.0, is_pushed(u)};
     point.order = corner;

@@ -84,12 +84,14 @@ RBDYN_INLINE void PathEquilibria::walk(bool asked) {
         if (!pieces_.changes_at(place_, std::min(path_[before - 1].half, path_[before].half))) return;
         path_[before - 1].cut_above = path_[before].cut_below = true;
     };
-    // whether it is not the same force all along
+    // whether it is not the same force all along a way without end
     const auto keep_towards = [&](double way) {
         return [this, way](const Piece& p) {
             path_.push_back(p);
-            if (p.bound() == 0.0 && is_felt_beyond(p, way)) path_.back().polynomial = path_.back().endless = false;
-            return !(path_.back().endless && is_same_all_along(p));
+            if (std::isfinite(way > 0.0 ? high_ : low_) || !p.endless || !is_same_all_along(p)) return true;
+            if (is_same_beyond(p, way)) return false;
+            path_.back().polynomial = path_.back().endless = false;
+            return true;
         };
     };
     const auto down = keep_towards(-1.0), up = keep_towards(1.0);
@@ -140,14 +142,23 @@ RBDYN_INLINE void PathEquilibria::walk(bool asked) {
         cut_at_place(below);
     };
     walk_both_ways(0.0);
-    // from beside a branch point series are short both ways, over whatever length the forces change
+    // from beside a branch point, or a kink, series may be short both ways, whatever the length the forces change over
+    std::vector<double> places;
+    for (const Gap& gap : gaps_)
+        places.push_back(gap.from * gap.to <= 0.0 ? 0.0 : gap.from + 0.5 * (gap.to - gap.from));
+    for (std::size_t i = 1; i < path_.size(); ++i)
+        if (path_[i].cut_below &&
+            (is_as_the_way(path_.front(), path_[i].begin()) || is_as_the_way(path_.back(), path_[i].begin())))
+            places.push_back(path_[i].begin());
     double scale = 0.0;
-    for (const Gap& gap : gaps_) {
-        const double middle = gap.from * gap.to <= 0.0 ? 0.0 : gap.from + 0.5 * (gap.to - gap.from);
-        if (const double own = pieces_.scale_of_values(middle); std::abs(middle - place_) < 0.125 * own)
+    for (const double place : places)
+        if (const double own = pieces_.scale_of_values(place); std::abs(place - place_) < 0.125 * own)
             scale = std::max(scale, own);
-    }
     if (scale > 0.0) walk_both_ways(0.125 * scale);
+}
+
+RBDYN_INLINE bool PathEquilibria::is_as_the_way(const Piece& p, double from) {
+    return !p.polynomial && p.half > 0.05 * std::abs(p.middle - from);
 }
 
 RBDYN_INLINE std::vector<double> PathEquilibria::flat_places(const Piece& p) {
@@ -187,19 +198,23 @@ RBDYN_INLINE void PathEquilibria::refine(const Piece& p, int depth, std::vector<
         Piece half = pieces_.about(p.middle + 0.5 * way * p.half, 0.5 * p.half);
         (way < 0.0 ? half.cut_below : half.cut_above) = way < 0.0 ? p.cut_below : p.cut_above;
         half.polynomial = p.polynomial;
-        half.rounding = pieces_.rounding();
+        // which one that changes its sign there does not ask for
+        if (!(std::abs(half.output[along][1]) > 0.5 * half.bound())) half.rounding = pieces_.rounding();
         refine(half, depth + 1, path);
     }
 }
 
-RBDYN_INLINE bool PathEquilibria::is_felt_beyond(const Piece& p, double way) const {
+RBDYN_INLINE bool PathEquilibria::is_same_beyond(const Piece& p, double way) const {
     PathForces::Values q(forces_);
-    for (double far = 2.0; far < 0x1p1000; far *= 2.0) {
-        const double u = p.middle + way * far * p.half;
-        if (u < low_ || u > high_) return false;
-        if (const double there = q(u); there != 0.0) return std::isfinite(there);
-    }
-    return false;
+    const double here = p.value(PathForces::along, 0.0);
+    const auto is_same = [&](double u) {
+        const double off = std::abs(q(u) - here);
+        return off <= p.noise() || off < statics::least_force;
+    };
+    double far = 2.0;
+    for (int doublings = 0; doublings < 64; ++doublings, far *= 2.0)
+        if (!is_same(p.middle + way * far * p.half)) return false;
+    return true;
 }
 
 RBDYN_INLINE bool PathEquilibria::is_same_all_along(const Piece& p) const {
