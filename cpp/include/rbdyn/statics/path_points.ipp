@@ -83,10 +83,10 @@ RBDYN_INLINE std::vector<PathEquilibria::Stretch> PathEquilibria::find_stretches
     constexpr int steps = 32;
     for (std::size_t i = 0; i < path_.size(); ++i) {
         const Piece& p = path_[i];
-        // across a gap to where it is rounding, too
-        const bool goes_on = is_open && std::abs(p.value(PathForces::along, -1.0)) <= p.noise();
-        const bool is_gap = i > 0 && !adjoin(path_[i - 1].end(), p);
-        if (i > 0 && (p.cut_below || path_[i - 1].cut_above || (is_gap && !goes_on))) {
+        // across a gap without a zero it goes on
+        const auto is_between = [&](const Point& q) { return q.u >= path_[i - 1].end() && q.u <= p.begin(); };
+        if (i > 0 && (p.cut_below || path_[i - 1].cut_above ||
+                      (!adjoin(path_[i - 1].end(), p) && std::ranges::any_of(points_, is_between)))) {
             is_open = false;
             last = 0;
         }

@@ -198,8 +198,10 @@ RBDYN_INLINE void PathEquilibria::refine(const Piece& p, int depth, std::vector<
         Piece half = pieces_.about(p.middle + 0.5 * way * p.half, 0.5 * p.half);
         (way < 0.0 ? half.cut_below : half.cut_above) = way < 0.0 ? p.cut_below : p.cut_above;
         half.polynomial = p.polynomial;
-        // which one that changes its sign there does not ask for
-        if (!(std::abs(half.output[along][1]) > 0.5 * half.bound())) half.rounding = pieces_.rounding();
+        // for zeros that change no sign: where one power leads there are none
+        const double most = 0.5 * half.bound();
+        if (std::abs(half.output[along][0]) < most && std::abs(half.output[along][1]) < most)
+            half.rounding = pieces_.rounding();
         refine(half, depth + 1, path);
     }
 }
