@@ -43,10 +43,11 @@ private:
     // tens the floor; and pieces in hollows
     static constexpr double deep = 8.0, steep = 4.0;
     static constexpr std::size_t back = 64;
-    static constexpr int most_in_hollows = 2000;
+    static constexpr int most_in_hollows = 600;
 
     int most_, count_ = 0, taken_ = 0;
     double longest_, largest_ = 0.0;
+    bool is_past_first_ = false;  // whether one was longer than before the first one
     std::vector<Crest> crests_;
     std::vector<double> halves_, forces_;
 };

@@ -21,8 +21,10 @@ RBDYN_INLINE void PathBudget::take(double half, double force) {
         least = std::min(least, crests_.back().least);
         crests_.pop_back();
     }
-    const bool is_behind = !crests_.empty() && least * deep <= half;
-    count_ = is_behind ? crests_.back().count + 1 : count_ + 1;
+    const bool is_behind = least * deep <= half && (!crests_.empty() || !is_past_first_);
+    const int before = crests_.empty() ? 0 : crests_.back().count;
+    count_ = is_behind ? before + 1 : count_ + 1;
+    is_past_first_ = is_past_first_ || crests_.empty();
     crests_.push_back({half, count_, is_behind ? half : least});
     halves_.push_back(half);
     forces_.push_back(std::abs(force));

@@ -25,7 +25,7 @@ public:
     double value(double u) { return values_(u); }
     Sample at(double u) {
         const double q = values_(u);
-        const bool is_felt = std::abs(q) > pieces_.noise_at(u, width_);
+        const bool is_felt = !std::isfinite(q) || std::abs(q) > pieces_.noise_at(u, width_);
         return {u, q, !is_felt ? 0 : q < 0.0 ? -1 : 1};
     }
 
@@ -81,7 +81,8 @@ RBDYN_INLINE std::vector<double> PathEquilibria::places_in(const Gap& gap) {
 }
 
 RBDYN_INLINE void PathEquilibria::find_in_gaps() {
-    for (Gap gap : joined_gaps()) {
+    gaps_ = joined_gaps();
+    for (Gap& gap : gaps_) {
         const double beside = 0.125 * (gap.to - gap.from);
         if (const auto u = pieces_.change_between(gap.from - beside, gap.to + beside)) gap.changes.push_back(*u);
         find_in(gap);
@@ -99,7 +100,8 @@ RBDYN_INLINE void PathEquilibria::find_in(const Gap& gap) {
     for (std::size_t i = 1; i + 1 < all.size(); ++i) {
         const int sign = all[i].sign;
         if (sign == 0 || all[i - 1].sign != sign || all[i + 1].sign != sign) continue;
-        if (away(all[i], sign) > away(all[i - 1], sign) || away(all[i], sign) > away(all[i + 1], sign)) continue;
+        const double here = away(all[i], sign), before = away(all[i - 1], sign), after = away(all[i + 1], sign);
+        if (!(here < before && here <= after && here < 0.95 * std::max(before, after))) continue;
         double low = all[i - 1].u, high = all[i + 1].u;
         for (int k = 0; k < 128; ++k) {
             const double third = (high - low) / 3.0;

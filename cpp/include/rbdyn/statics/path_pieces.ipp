@@ -119,7 +119,7 @@ RBDYN_INLINE double PathPieces::scale_of_values(double u) {
                 if (std::abs(there - here) > 0.5 * std::abs(here)) scale = h;
                 continue;
             }
-            if (there != 0.0 && last != 0.0) {
+            if (std::abs(there) > statics::least_force && std::abs(last) > statics::least_force) {
                 const double now = 0.5 * std::log2(there / last);
                 if (!power) power = now;
                 if (!(std::abs(now - *power) <= 0.1 * std::max(1.0, std::abs(*power)))) scale = h;
@@ -152,7 +152,8 @@ RBDYN_INLINE std::optional<double> PathPieces::leapt(double from, double way, do
     for (double width = 4.0 * least;; width *= 2.0) {
         if (!(width < std::abs(to - from))) return to;
         const double beyond = from + way * width;
-        if (!has_values(beyond)) return std::nullopt;
+        // at the very place they may not be, as x log |x|
+        if (!has_values(beyond) && !has_values(beyond + way * part * width)) return std::nullopt;
         if (expand(beyond + way * part * width, part * width) || width > longest) return beyond;
     }
 }

@@ -83,10 +83,13 @@ RBDYN_INLINE std::vector<PathEquilibria::Stretch> PathEquilibria::find_stretches
     constexpr int steps = 32;
     for (std::size_t i = 0; i < path_.size(); ++i) {
         const Piece& p = path_[i];
-        // across a gap without a zero it goes on
-        const auto is_between = [&](const Point& q) { return q.u >= path_[i - 1].end() && q.u <= p.begin(); };
-        if (i > 0 && (p.cut_below || path_[i - 1].cut_above ||
-                      (!adjoin(path_[i - 1].end(), p) && std::ranges::any_of(points_, is_between)))) {
+        // across a gap without a zero or a change of formula it goes on
+        const double from = i > 0 ? path_[i - 1].end() : p.begin(), to = p.begin();
+        const auto is_between = [&](const Point& q) { return q.u >= from && q.u <= to; };
+        const auto changes = [&](const Gap& gap) { return !gap.changes.empty() && gap.to >= from && gap.from <= to; };
+        const bool is_cut = i > 0 && (p.cut_below || path_[i - 1].cut_above);
+        if (is_cut || (i > 0 && !adjoin(from, p) &&
+                       (std::ranges::any_of(points_, is_between) || std::ranges::any_of(gaps_, changes)))) {
             is_open = false;
             last = 0;
         }
@@ -198,6 +201,7 @@ RBDYN_INLINE void PathEquilibria::add_corner(double u, double half) {
     const double before = forces_.along_path(u - step), after = forces_.along_path(u + step);
     Point point{u, half, before > 0.0 && after < 0.0, is_pushed(u)};
     point.order = corner;
+    point.radius = 8.0 * epsilon * std::abs(u);
     // no corner after all: the same slope on both sides
     const double left = -before / step, right = after / step;
     if (std::abs(left - right) <= 1e-4 * (std::abs(left) + std::abs(right))) {

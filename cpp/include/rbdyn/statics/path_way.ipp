@@ -210,13 +210,14 @@ RBDYN_INLINE bool PathEquilibria::is_same_beyond(const Piece& p, double way) con
     PathForces::Values q(forces_);
     const double here = p.value(PathForces::along, 0.0);
     const auto is_same = [&](double u) {
-        const double off = std::abs(q(u) - here);
-        return off <= p.noise() || off < statics::least_force;
+        const double there = q(u), off = std::abs(there - here);
+        return !std::isfinite(there) || off <= p.noise() || off < statics::least_force;
     };
-    double far = 2.0;
-    for (int doublings = 0; doublings < 64; ++doublings, far *= 2.0)
-        if (!is_same(p.middle + way * far * p.half)) return false;
-    return true;
+    for (double far = 2.0;; far *= 16.0) {
+        const double u = p.middle + way * far * p.half;
+        if (!std::isfinite(u)) return true;
+        if (!is_same(u)) return false;
+    }
 }
 
 RBDYN_INLINE bool PathEquilibria::is_same_all_along(const Piece& p) const {
