@@ -163,6 +163,8 @@ private:
     double polished(double u, const Piece& piece, int output);
 
     void extend(std::vector<Interval>& intervals, std::size_t i);
+    /// Flat intervals that end beside a change of formula, to that.
+    void reach_changes();
     /// Intervals to the ends of the rail: those of a curve without end go on if the forces do, those of a closed curve
     /// across its seam.
     void finish(std::vector<Interval>& intervals);

@@ -333,8 +333,9 @@ RBDYN_INLINE bool PathPieces::expand(double middle, double half) {
         (*values_)(0.0, std::span<const double>(&u, 1));
         if (!std::isfinite(e)) continue;  // a formula that ends here
         const double off = std::abs(values_->output(PathForces::along) - piece_.value(PathForces::along, x));
-        holds_ = off <= 1e-11 * piece_.effort || off <= statics::least_force || off <= rounding() ||
-                 off <= rounding_of_place();
+        // of a long piece on which the force grows that end counts, not the other one
+        const double known = 1e-11 * e + 1e-13 * piece_.bound();
+        holds_ = off <= known || off <= statics::least_force || off <= rounding() || off <= rounding_of_place();
     }
     return holds_;
 }

@@ -65,6 +65,7 @@ RBDYN_INLINE void PathEquilibria::find_points() {
         apart.pop_back();
     points_ = std::move(apart);
     for (const Stretch& s : stretches) judge(s);
+    reach_changes();
     finish(flat_);
 }
 

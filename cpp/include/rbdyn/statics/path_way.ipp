@@ -190,7 +190,8 @@ RBDYN_INLINE void PathEquilibria::refine(const Piece& p, int depth, std::vector<
     };
     // or where rounding of its own terms is no longer small beside it
     const bool is_known = p.bound() > p.noise() && p.bound() > 0x1p20 * p.rounding;
-    if (depth >= most_halvings || !is_known || !std::ranges::any_of(zeros_of(p), is_small)) {
+    const bool is_resolved = p.half > 64.0 * epsilon * std::abs(p.middle);
+    if (depth >= most_halvings || !is_known || !is_resolved || !std::ranges::any_of(zeros_of(p), is_small)) {
         path.push_back(p);
         return;
     }
