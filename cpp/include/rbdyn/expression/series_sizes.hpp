@@ -4,7 +4,8 @@
 // Sums are taken of sizes, through all of them that lie one in another. Of any other instruction, products included,
 // the size is that of its result, and what its operands are differences of counts as far as it changes the result: so
 // powers of a difference are known to rounding of the difference, however small they are. Where `functions_round`, what
-// a function makes of the rounding of its argument counts too: sin(x + 3) where it is zero.
+// a function makes of the rounding of its argument counts too: sin(x + 3) where it is zero, and its slope in 1 + cos x
+// where that touches zero.
 #pragma once
 
 #include <cstddef>

@@ -41,6 +41,11 @@ RBDYN_INLINE void SeriesSizes::operator()(const SeriesEvaluator& series) {
             for (int k = 0; k < row_; ++k)
                 of(result)[k] += slope * std::max(0.0, of(operand)[k] - std::abs(series.coefficients(operand)[k]));
         };
+        // the argument's own rounding, by the coefficients of the function's slope
+        const auto turned = [&](int result, int slope) {
+            if (!functions_round_ || result < 0 || slope < 0) return;
+            for (int k = 1; k < row_; ++k) of(result)[k] += a * std::abs(series.coefficients(slope)[k]);
+        };
         switch (i.code) {
             case Code::combine:
             case Code::call: break;
@@ -56,6 +61,8 @@ RBDYN_INLINE void SeriesSizes::operator()(const SeriesEvaluator& series) {
             case Code::hyperbolic:
                 lost(i.out, i.a, out2);
                 lost(i.out2, i.a, out);
+                turned(i.out, i.out2);
+                turned(i.out2, i.out);
                 break;
             case Code::tangent: lost(i.out, i.a, out2); break;
             case Code::exponential: lost(i.out, i.a, out); break;

@@ -15,6 +15,9 @@
 // Where this takes more pieces than are kept the list would lack some: it is refused, unless a place was asked for.
 // Accuracy: rounding of Q over its slope. Zeros nearer than rounding lets them be told apart count as one.
 //
+// Beside a branch point, where no series holds, values decide: signs of Q on both sides, which come as near to it as
+// doubles do.
+//
 // Where Q is rounding beside the forces on a stretch, that is one of equilibria only if its formula ends with it: a
 // force that goes on smoothly to more than rounding is zero at single places (identity theorem). Those are what the
 // derivatives say if the signs of Q on both sides agree; if they do not, the whole stretch is one equilibrium, not
@@ -46,6 +49,7 @@ public:
 
 private:
     using Piece = statics::PathPiece;
+    using Gap = statics::PathGap;
     using Interval = std::pair<double, double>;
     static constexpr double epsilon = std::numeric_limits<double>::epsilon();
     static constexpr auto along = static_cast<std::size_t>(PathForces::along);
@@ -66,6 +70,8 @@ private:
         double from = 0.0, to = 0.0;
         int places = 1, before = 0, after = 0;
         bool goes_on() const { return places > 2 && (before != 0 || after != 0); }
+        /// One in it: zero, where it has that, and where doubles come nearest to what a force is zero at.
+        double place() const { return from <= 0.0 && to >= 0.0 ? 0.0 : from + 0.5 * (to - from); }
         bool has(double u) const { return u >= from && u <= to; }
     };
 
@@ -88,6 +94,10 @@ private:
     void refine(const Piece& p, int depth, std::vector<Piece>& path);
     /// Whether the forces are the same on the whole piece, within rounding.
     bool is_same_all_along(const Piece& p) const;
+    /// Whether what is the same on a piece is so as far as is searched, where it is looked at.
+    bool is_same_beyond(const Piece& p, double way) const;
+    /// Whether a piece is as long as the way there from a place where series end lets it be.
+    static bool is_as_the_way(const Piece& p, double from);
     /// What rounding makes of hold, somewhere; of Q^2 where hold is its difference from nearly the same.
     double hold_noise(const Piece& p) const;
     double hold_noise(const Piece& p, double x) const;
@@ -103,6 +113,9 @@ private:
     std::vector<Stretch> find_stretches() const;
     /// Keeps the zeros of a stretch if they and the signs beside it agree; else all of it is one that is not decided.
     void judge(const Stretch& stretch);
+    /// A stretch on which a force underflows that is more than that on both sides: a zero of too high an order for
+    /// doubles.
+    bool underflows(const Stretch& stretch);
 
     /// The end of a piece where the formula changes that is the place x, if it is one.
     static std::optional<double> cut_end(const Piece& piece, double x, double near);
@@ -111,7 +124,7 @@ private:
     /// Takes a zero near u, looked at in units of `half`, if there is one.
     void add_near(double u, double half);
     void add_zero(const statics::PathZero& zero, double u, double half);
-    /// A jump across zero between two pieces: where the formula changes, or where there is no series in between.
+    /// A jump across zero between two pieces, where the formula changes.
     void add_jump(const Piece& before, const Piece& after);
     /// A zero where the formula of the force changes.
     void add_corner(double u, double half);
@@ -120,6 +133,29 @@ private:
     /// at here.
     bool may_leave(double u);
 
+    // --- zeros of Q where it has no series (path_gaps.ipp) ---
+
+    /// A value of Q in a gap, its sign 0 within rounding.
+    struct Sample {
+        double u = 0.0, q = 0.0;
+        int sign = 0;
+    };
+    class Sampler;
+    void find_in_gaps();
+    /// The gaps in order, those that meet as one.
+    std::vector<Gap> joined_gaps() const;
+    /// Where Q is looked at in a gap, in order.
+    static std::vector<double> places_in(const Gap& gap);
+    void find_in(const Gap& gap);
+    /// Of places between which Q is rounding the one where a case distinction changes, or zero, or the middle.
+    static double center_of(const Gap& gap, double from, double to);
+    /// Whether the force q is more than at a place farther from a pole: there it grows beyond all bounds; at a jump it
+    /// is the same.
+    bool grows_from(Sampler& values, double beside, double q) const;
+    /// A zero or a jump between two places on which Q has other signs, if it is no pole.
+    void add_between(Sampler& values, const Sample& before, const Sample& after, const Gap& gap);
+    void add_in_gap(double u, int before, int after, double width);
+
     // --- intervals ---
 
     void find_held();
@@ -127,6 +163,8 @@ private:
     double polished(double u, const Piece& piece, int output);
 
     void extend(std::vector<Interval>& intervals, std::size_t i);
+    /// Flat intervals that end beside a change of formula, to that.
+    void reach_changes();
     /// Intervals to the ends of the rail: those of a curve without end go on if the forces do, those of a closed curve
     /// across its seam.
     void finish(std::vector<Interval>& intervals);
@@ -151,6 +189,7 @@ private:
     double place_;
     double low_ = 0.0, high_ = 0.0, round_ = 0.0;
     std::vector<Piece> path_;
+    std::vector<Gap> gaps_;
     std::vector<Point> points_;
     std::vector<Interval> flat_, held_, hidden_;
     std::vector<double> felt_;  // middles of pieces in flat_ on which Q is small, but more than rounding of its terms

@@ -132,6 +132,17 @@ RBDYN_INLINE void PathEquilibria::extend(std::vector<Interval>& intervals, std::
         intervals.emplace_back(p.begin(), p.end());
 }
 
+RBDYN_INLINE void PathEquilibria::reach_changes() {
+    const auto is_zero = [&](double u) {
+        return std::abs(forces_.along_path(u)) <= 16.0 * epsilon * forces_.effort(u);
+    };
+    for (const Gap& gap : gaps_)
+        for (const double change : gap.changes)
+            for (Interval& i : flat_)
+                for (double* end : {&i.first, &i.second})
+                    if (*end >= gap.from && *end <= gap.to && is_zero(*end + 0.5 * (change - *end))) *end = change;
+}
+
 RBDYN_INLINE void PathEquilibria::finish(std::vector<Interval>& intervals) {
     if (intervals.empty() || path_.empty()) return;
     const auto near = [&](double a, double b, double half) { return std::abs(a - b) <= 1e-12 * half; };

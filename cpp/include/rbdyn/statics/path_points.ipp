@@ -32,7 +32,8 @@ RBDYN_INLINE void PathEquilibria::find_points() {
         // a zero where two pieces meet lies beyond the end of both, as rounding may have it
         const double before = path_[i - 1].value(PathForces::along, 1.0), after = p.value(PathForces::along, -1.0);
         const bool meets = !p.cut_below && !path_[i - 1].cut_above && adjoin(path_[i - 1].end(), p);
-        if (meets && !(before < 0.0 && after < 0.0) && !(before > 0.0 && after > 0.0))
+        const bool has_sign = (before < 0.0 && after < 0.0) || (before > 0.0 && after > 0.0);
+        if (meets && (!has_sign || path_[i - 1].may_vanish(1.0) || p.may_vanish(-1.0)))
             add_near(p.begin(), std::min(p.half, path_[i - 1].half));
     }
     if (round_ > 0.0 && !path_.empty()) {
@@ -40,6 +41,7 @@ RBDYN_INLINE void PathEquilibria::find_points() {
         first.middle += round_;
         add_jump(path_.back(), first);
     }
+    find_in_gaps();
     // pieces that grow ever shorter towards a zero do not reach it
     if (!path_.empty() && !std::isfinite(low_)) add_near(path_.front().begin(), 32.0 * path_.front().half);
     if (!path_.empty() && !std::isfinite(high_)) add_near(path_.back().end(), 32.0 * path_.back().half);
@@ -50,7 +52,7 @@ RBDYN_INLINE void PathEquilibria::find_points() {
     // those that rounding does not tell apart are one: that of the highest order
     std::vector<Point> apart;
     const auto is_one = [](const Point& p, const Point& q, double way) {
-        return way <= std::max({p.radius, q.radius, 1e-9 * q.half});
+        return way <= std::max(p.radius + q.radius, 1e-9 * q.half);
     };
     for (const Point& p : points_) {
         if (apart.empty() || !is_one(apart.back(), p, p.u - apart.back().u))
@@ -63,6 +65,7 @@ RBDYN_INLINE void PathEquilibria::find_points() {
         apart.pop_back();
     points_ = std::move(apart);
     for (const Stretch& s : stretches) judge(s);
+    reach_changes();
     finish(flat_);
 }
 
@@ -81,7 +84,13 @@ RBDYN_INLINE std::vector<PathEquilibria::Stretch> PathEquilibria::find_stretches
     constexpr int steps = 32;
     for (std::size_t i = 0; i < path_.size(); ++i) {
         const Piece& p = path_[i];
-        if (i > 0 && (p.cut_below || path_[i - 1].cut_above || !adjoin(path_[i - 1].end(), p))) {
+        // across a gap without a zero or a change of formula it goes on
+        const double from = i > 0 ? path_[i - 1].end() : p.begin(), to = p.begin();
+        const auto is_between = [&](const Point& q) { return q.u >= from && q.u <= to; };
+        const auto changes = [&](const Gap& gap) { return !gap.changes.empty() && gap.to >= from && gap.from <= to; };
+        const bool is_cut = i > 0 && (p.cut_below || path_[i - 1].cut_above);
+        if (is_cut || (i > 0 && !adjoin(from, p) &&
+                       (std::ranges::any_of(points_, is_between) || std::ranges::any_of(gaps_, changes)))) {
             is_open = false;
             last = 0;
         }
@@ -118,8 +127,18 @@ RBDYN_INLINE void PathEquilibria::judge(const Stretch& stretch) {
     }
     meet(stretch.after);
     if (count > 0 && agree) return;
+    if (count == 0 && underflows(stretch))
+        return add_in_gap(stretch.place(), stretch.before, stretch.after, stretch.to - stretch.from);
     std::erase_if(points_, [&](const Point& p) { return stretch.has(p.u); });
     if (is_pushed(stretch.from + 0.5 * (stretch.to - stretch.from))) hidden_.emplace_back(stretch.from, stretch.to);
+}
+
+RBDYN_INLINE bool PathEquilibria::underflows(const Stretch& stretch) {
+    if (stretch.before == 0 || stretch.after == 0) return false;
+    const double half = 0.5 * (stretch.to - stretch.from), middle = stretch.from + half;
+    const Piece& p = pieces_.about(middle, half);
+    // terms that cancel have a size
+    return p.bound() == 0.0 && pieces_.sizes()[0] < statics::least_force;
 }
 
 RBDYN_INLINE std::optional<double> PathEquilibria::cut_end(const Piece& piece, double x, double near) {
@@ -169,26 +188,21 @@ RBDYN_INLINE void PathEquilibria::add_zero(const statics::PathZero& zero, double
 
 RBDYN_INLINE void PathEquilibria::add_jump(const Piece& before, const Piece& after) {
     const double gap = after.begin() - before.end(), noise = std::max(before.noise(), after.noise());
-    if (!after.cut_below || gap > 1e-11 * std::max(std::abs(after.begin()), after.half)) return;
+    if (!after.cut_below || !adjoin(before.end(), after)) return;
     const double from = before.value(PathForces::along, 1.0), to = after.value(PathForces::along, -1.0);
     if (std::abs(from) <= noise || std::abs(to) <= noise || (from > 0.0) == (to > 0.0)) return;
     const double u = before.end() + 0.5 * gap;
-    // at a pole it grows beyond all bounds, at a jump it is the same beside the gap and a little farther away
-    const double aside = 0x1p10 * gap;
-    const auto grows_to = [&](double value, double place) {
-        return place >= low_ && place <= high_ && std::abs(value) > 1.1 * std::abs(forces_.along_path(place));
-    };
-    if (gap > 0.0 && !adjoin(before.end(), after) && (grows_to(from, u - aside) || grows_to(to, u + aside))) return;
     Point point{u, after.half, from > 0.0, is_pushed(u)};
     point.order = corner;
     points_.push_back(point);
 }
 
 RBDYN_INLINE void PathEquilibria::add_corner(double u, double half) {
-    const double step = 1e-6 * half;
+    const double step = std::max(1e-6 * half, 64.0 * epsilon * std::abs(u));
     const double before = forces_.along_path(u - step), after = forces_.along_path(u + step);
     Point point{u, half, before > 0.0 && after < 0.0, is_pushed(u)};
     point.order = corner;
+    point.radius = 8.0 * epsilon * std::abs(u);
     // no corner after all: the same slope on both sides
     const double left = -before / step, right = after / step;
     if (std::abs(left - right) <= 1e-4 * (std::abs(left) + std::abs(right))) {

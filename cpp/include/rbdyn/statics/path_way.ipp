@@ -80,18 +80,27 @@ RBDYN_INLINE void PathEquilibria::walk(bool asked) {
     // what begins where one formula goes over to another one is cut there as elsewhere
     const auto cut_at_place = [&](std::size_t before) {
         if (before == 0 || before == path_.size()) return;
+        if (!adjoin(path_[before - 1].end(), path_[before])) return;
         if (!pieces_.changes_at(place_, std::min(path_[before - 1].half, path_[before].half))) return;
         path_[before - 1].cut_above = path_[before].cut_below = true;
     };
-    const auto keep = [&](const Piece& p) {
-        path_.push_back(p);
-        // the same force all along
-        return !(p.endless && is_same_all_along(p));
+    // whether it is not the same force all along a way without end
+    const auto keep_towards = [&](double way) {
+        return [this, way](const Piece& p) {
+            path_.push_back(p);
+            if (std::isfinite(way > 0.0 ? high_ : low_) || !p.endless || !is_same_all_along(p)) return true;
+            if (is_same_beyond(p, way)) return false;
+            path_.back().polynomial = path_.back().endless = false;
+            return true;
+        };
     };
+    const auto down = keep_towards(-1.0), up = keep_towards(1.0);
+    const auto keep_gap = [&](const Gap& gap) { gaps_.push_back(gap); };
     if (std::isfinite(low_) && std::isfinite(high_)) {
-        if (pieces_.march(low_, high_, most_pieces, keep)) {
+        if (pieces_.march(low_, high_, most_pieces, up, keep_gap)) {
             // the seam of one round is a place as others
-            if (round_ > 0.0 && pieces_.changes_at(low_, std::min(path_.front().half, path_.back().half)))
+            if (round_ > 0.0 && !path_.empty() &&
+                pieces_.changes_at(low_, std::min(path_.front().half, path_.back().half)))
                 path_.front().cut_below = path_.back().cut_above = true;
             return;
         }
@@ -104,11 +113,12 @@ RBDYN_INLINE void PathEquilibria::walk(bool asked) {
                 std::to_string(most_about) + " are searched on each side, or take away what changes so quickly");
         // on both sides of the place
         path_.clear();
+        gaps_.clear();
         place_ = std::clamp(place_, low_, high_);
-        pieces_.march(place_, low_, most_about, keep);
+        pieces_.march(place_, low_, most_about, down, keep_gap);
         std::reverse(path_.begin(), path_.end());
         const std::size_t below = path_.size();
-        pieces_.march(place_, high_, most_about, keep);
+        pieces_.march(place_, high_, most_about, up, keep_gap);
         cut_at_place(below);
         round_ = 0.0;
         if (path_.empty()) return;
@@ -117,15 +127,38 @@ RBDYN_INLINE void PathEquilibria::walk(bool asked) {
         return;
     }
     const int most = most_stretches + pieces_.doublings(place_);
-    pieces_.march(place_, low_, most, keep);
-    std::reverse(path_.begin(), path_.end());
-    if (path_.size() == 1 && path_[0].endless && is_same_all_along(path_[0])) return;
-    const std::size_t below = path_.size();
-    pieces_.march(place_, high_, most, [&](const Piece& p) {
-        path_.push_back(p);
-        return true;
-    });
-    cut_at_place(below);
+    const auto walk_both_ways = [&](double scale) {
+        path_.clear();
+        gaps_.clear();
+        pieces_.march(place_, low_, most, down, keep_gap, scale);
+        std::reverse(path_.begin(), path_.end());
+        if (path_.size() == 1 && path_[0].endless && is_same_all_along(path_[0])) return;
+        const std::size_t below = path_.size();
+        const auto keep_all = [&](const Piece& p) {
+            up(p);
+            return true;
+        };
+        pieces_.march(place_, high_, most, keep_all, keep_gap, scale);
+        cut_at_place(below);
+    };
+    walk_both_ways(0.0);
+    // from beside a branch point, or a kink, series may be short both ways, whatever the length the forces change over
+    std::vector<double> places;
+    for (const Gap& gap : gaps_)
+        places.push_back(gap.from * gap.to <= 0.0 ? 0.0 : gap.from + 0.5 * (gap.to - gap.from));
+    for (std::size_t i = 1; i < path_.size(); ++i)
+        if (path_[i].cut_below &&
+            (is_as_the_way(path_.front(), path_[i].begin()) || is_as_the_way(path_.back(), path_[i].begin())))
+            places.push_back(path_[i].begin());
+    double scale = 0.0;
+    for (const double place : places)
+        if (const double own = pieces_.scale_of_values(place); std::abs(place - place_) < 0.125 * own)
+            scale = std::max(scale, own);
+    if (scale > 0.0) walk_both_ways(0.125 * scale);
+}
+
+RBDYN_INLINE bool PathEquilibria::is_as_the_way(const Piece& p, double from) {
+    return !p.polynomial && p.half > 0.05 * std::abs(p.middle - from);
 }
 
 RBDYN_INLINE std::vector<double> PathEquilibria::flat_places(const Piece& p) {
@@ -155,8 +188,10 @@ RBDYN_INLINE void PathEquilibria::refine(const Piece& p, int depth, std::vector<
     const auto is_small = [&](double x) {
         return !cut_end(p, x, at_end) && forces_.effort(p.place(x)) < 0x1p-6 * p.effort;
     };
-    const bool is_flat = p.bound() <= p.noise();
-    if (depth >= most_halvings || is_flat || !std::ranges::any_of(zeros_of(p), is_small)) {
+    // or where rounding of its own terms is no longer small beside it
+    const bool is_known = p.bound() > p.noise() && p.bound() > 0x1p20 * p.rounding;
+    const bool is_resolved = p.half > 64.0 * epsilon * std::abs(p.middle);
+    if (depth >= most_halvings || !is_known || !is_resolved || !std::ranges::any_of(zeros_of(p), is_small)) {
         path.push_back(p);
         return;
     }
@@ -164,7 +199,25 @@ RBDYN_INLINE void PathEquilibria::refine(const Piece& p, int depth, std::vector<
         Piece half = pieces_.about(p.middle + 0.5 * way * p.half, 0.5 * p.half);
         (way < 0.0 ? half.cut_below : half.cut_above) = way < 0.0 ? p.cut_below : p.cut_above;
         half.polynomial = p.polynomial;
+        // for zeros that change no sign: where one power leads there are none
+        const double most = 0.5 * half.bound();
+        if (std::abs(half.output[along][0]) < most && std::abs(half.output[along][1]) < most)
+            half.rounding = pieces_.rounding();
         refine(half, depth + 1, path);
+    }
+}
+
+RBDYN_INLINE bool PathEquilibria::is_same_beyond(const Piece& p, double way) const {
+    PathForces::Values q(forces_);
+    const double here = p.value(PathForces::along, 0.0);
+    const auto is_same = [&](double u) {
+        const double there = q(u), off = std::abs(there - here);
+        return !std::isfinite(there) || off <= p.noise() || off < statics::least_force;
+    };
+    for (double far = 2.0;; far *= 16.0) {
+        const double u = p.middle + way * far * p.half;
+        if (!std::isfinite(u)) return true;
+        if (!is_same(u)) return false;
     }
 }
 

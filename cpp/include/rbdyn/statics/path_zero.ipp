@@ -25,7 +25,9 @@ RBDYN_INLINE std::optional<PathZero> PathZeros::near(double u, double half) {
         if (const auto zero = of_order(m, u, half)) return zero;
     look(u, half);
     if (std::abs(c_[0]) > rounding_[0]) return std::nullopt;
-    return PathZero{u, 0, 0.0, 0.0};
+    // as far as the slope tells, and the piece
+    const double radius = half * std::min(rounding_[0] / std::abs(c_[1]), 0.25);
+    return PathZero{u, 0, 0.0, std::isfinite(radius) ? radius : 0.0};
 }
 
 RBDYN_INLINE void PathZeros::look(double u, double half) {
