@@ -142,6 +142,8 @@ RBDYN_INLINE bool PathEquilibria::underflows(const Stretch& stretch) {
 }
 
 RBDYN_INLINE std::optional<double> PathEquilibria::cut_end(const Piece& piece, double x, double near) {
+    // which rounding of places moves on a short piece
+    near = std::max(near, 8.0 * epsilon * std::abs(piece.middle) / piece.half);
     if (piece.cut_below && std::abs(x + 1.0) <= near) return piece.begin();
     if (piece.cut_above && std::abs(x - 1.0) <= near) return piece.end();
     return std::nullopt;
