@@ -45,6 +45,7 @@ RBDYN_INLINE std::vector<VariableGroup> HingeLaw::groups(bool of_positions) cons
 
 RBDYN_INLINE void HingeLaw::observe(const LawsNow& now, std::vector<Observed>& out) const {
     const RigidReport r = rigid_report(now);
+    observe_center(r, now, out);
     observe_axes(r, out);
     observe_force(r, out);
     observe_torque(r, out);
