@@ -280,6 +280,11 @@ RBDYN_INLINE void Dop853Engine::find_rounding(double h, bool by_sizes) {
     for (int i = 0; i < n(); ++i) y_[at(i)] = x_[at(i)] * (i % 2 == 0 ? 1.0 + epsilon : 1.0 - epsilon);
     if (!evaluate({t_.hi + epsilon * std::abs(t_.hi), 0.0}, y_, defect_.data())) return;
     std::optional<RoundingSizes>& sizes = workshop_->sizes;
+    // functions of the user's are not asked for that; what is near a singularity has terms that are no rounding of
+    // slopes
+    by_sizes = by_sizes && !equations_->program.has_calls();
+    double most = 0.0;
+    for (int i = 0; i < n(); ++i) most = std::max(most, 0x1p-34 * std::abs(slope_[at(i)]));
     if (by_sizes) {
         if (!sizes) sizes.emplace(equations_->program);
         sizes->set_parameters(parameters_);
@@ -290,7 +295,7 @@ RBDYN_INLINE void Dop853Engine::find_rounding(double h, bool by_sizes) {
         rounding_[g] = 32.0 * largest_change(group);
         for (int i = group.first; i < group.first + group.count; ++i)
             rounding_[g] = std::max({rounding_[g], 16.0 * epsilon * workshop_->evaluator.magnitude(i),
-                                     by_sizes ? 8.0 * epsilon * sizes->size(i) : 0.0});
+                                     by_sizes ? std::min(8.0 * epsilon * sizes->size(i), most) : 0.0});
         for (int i = group.first; i < group.first + group.count; ++i) y_[at(i)] = x_[at(i)] + h * rounding_[g];
     }
     if (!evaluate(t_, y_, defect_.data())) return;

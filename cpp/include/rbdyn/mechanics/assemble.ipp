@@ -115,7 +115,7 @@ RBDYN_INLINE double Scene::assemble(const std::vector<BodyHandle>& keep, double 
     };
     double size = 0.0, left = 0.0;
     constexpr int most = 200;
-    constexpr double longest = 0.5;  // of one step: rad, and of the size of the scene
+    constexpr double longest = 0.5;  // of one step: in rad, and in sizes of the scene
     for (int pass = 0; pass < most; ++pass) {
         Interruption::point();
         const auto all = mechanics::closing::moving<double>(tree, start, mechanics::closing::nearest(x));
@@ -136,12 +136,20 @@ RBDYN_INLINE double Scene::assemble(const std::vector<BodyHandle>& keep, double 
             locked(mechanics::jacobian(
                 tree, mechanics::closing::of_constraints(conditions.rows<double>(tree, all), conditions), all)),
             asked);
-        const double length = mechanics::closing::largest(step), allowed = longest * std::max(1.0, size);
-        if (length > allowed)
-            for (double& s : step) s *= allowed / length;
+        // what turns in radians, what moves in sizes
+        std::vector<bool> turns(step.size(), false);
+        for (int i = 0; i < tree.size(); ++i)
+            for (int k = 0; k < tree.node(i).joint.velocities(); ++k)
+                turns[static_cast<std::size_t>(tree.node(i).v + k)] =
+                    !all[static_cast<std::size_t>(i)].joint[static_cast<std::size_t>(k)].turn.isZero(0.0);
+        double length = 0.0;
+        for (std::size_t k = 0; k < step.size(); ++k)
+            length = std::max(length, std::abs(turns[k] || size == 0.0 ? step[k] : step[k] / size));
+        if (length > longest)
+            for (double& s : step) s *= longest / length;
         mechanics::closing::move<DoubleDouble>(tree, start, step, x);
         mechanics::closing::normalize<DoubleDouble>(tree, x);
-        if (length <= 1e-16 * std::max(1.0, size) && pass > 5) break;
+        if (length <= 1e-16 && pass > 5) break;
     }
     if (!(left <= 1e-10 * size)) {
         std::string gaps;

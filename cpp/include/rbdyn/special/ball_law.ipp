@@ -29,7 +29,6 @@ RBDYN_INLINE BallLaw::BallLaw(const Scene& scene, int place, const Spherical& jo
 
 RBDYN_INLINE void BallLaw::observe(const LawsNow& now, std::vector<Observed>& out) const {
     const RigidReport r = rigid_report(now);
-    observe_center(r, now, out);
     observe_axes(r, out);
     observe_force(r, out);
 }

@@ -45,7 +45,8 @@ RBDYN_INLINE std::vector<VariableGroup> HingeLaw::groups(bool of_positions) cons
 
 RBDYN_INLINE void HingeLaw::observe(const LawsNow& now, std::vector<Observed>& out) const {
     const RigidReport r = rigid_report(now);
-    observe_center(r, now, out);
+    // how far it has turned, measured by how far it does: axes are known to rounding beside a radian
+    out.push_back({Vector3(r.coordinate, 0.0, 0.0), true, 0.0, std::abs(r.coordinate)});
     observe_axes(r, out);
     observe_force(r, out);
     observe_torque(r, out);
