@@ -44,7 +44,7 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
     const mechanics::TreeState open = look(mode, t, x);
     const auto& all = open.moving;
     std::vector<int> at_rest = fired.stuck;
-    // what has left its last direction by more than that has not stopped
+    // what has left its last direction by more than rounding has not stopped
     for (const int k : fired.stopping)
         if (is_at_end(before, k, t, x)) at_rest.push_back(k);
     // what was held is at rest, unless an impact has moved it
