@@ -306,7 +306,7 @@ class Thrown:
                 restitution=self.e[k],
             )
         try:
-            run = rb.simulate(scene, time + 1e-6, error=1e-9)
+            run = rb.simulate(scene, time + 1e-6, error=1e-8)
         except rb.IntegrationError as error:
             return str(error)
         if any(e.note for e in run.events):

@@ -62,6 +62,7 @@ struct Observed {
     float held = 0.0F;   // of what constraints hold at zero: what it would be, did it move like all else
     double drive = 0.0;  // m/s^2: of a velocity that follows its position, the sizes of accelerations that make it up
     double part = 1.0;   // of its error, what counts
+    double none = 0.0;   // of its error, what is rounding that is not told
 };
 
 /// The laws of a scene between events and at them. Immutable; shared by the runs made with it.

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -29,6 +30,11 @@ RBDYN_INLINE BallLaw::BallLaw(const Scene& scene, int place, const Spherical& jo
 
 RBDYN_INLINE void BallLaw::observe(const LawsNow& now, std::vector<Observed>& out) const {
     const RigidReport r = rigid_report(now);
+    // how far its centre goes, measured by that; where it hardly moves the rounding of its place is not told
+    const Vector3& at = now.state(index).r;
+    Observed moved{at, true, 0.0, at.norm()};
+    moved.none = 8.0 * std::numeric_limits<double>::epsilon() * moved.whole;
+    out.push_back(moved);
     observe_axes(r, out);
     observe_force(r, out);
 }

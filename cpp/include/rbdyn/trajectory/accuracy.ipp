@@ -405,7 +405,8 @@ RBDYN_INLINE void AccuracyCheck::note(double weight, bool is_shared, bool has_fo
     largest.resize(fine_.size(), -1.0);
     for (std::size_t k = 0; k < fine_.size(); ++k) {
         if (!has_forces && is_force(fine_[k])) continue;
-        const double value = weight * fine_[k].part * safe_norm(seen_[k].value - fine_[k].value);
+        const double off = safe_norm(seen_[k].value - fine_[k].value) - fine_[k].none,
+                     value = off < 0.0 ? 0.0 : weight * fine_[k].part * off;
         if (!(value > largest[k])) continue;
         largest[k] = value;
         differences_.push_back({last_, value, static_cast<int>(k), is_shared});

@@ -42,7 +42,7 @@ private:
         Vector3 low = Vector3::Constant(std::numeric_limits<double>::infinity());
         Vector3 high = Vector3::Constant(-std::numeric_limits<double>::infinity());
         double size = 0.0, whole = 0.0, scale = 0.0, drive = 0.0;
-        bool is_position = false, is_any = false;
+        bool is_position = false, is_any = false, is_told = true;  // rounding of it is told
         Alike alike = Alike::nothing;
         float held = 0.0F;
     };

@@ -55,6 +55,7 @@ RBDYN_INLINE void ErrorScales::widen(std::span<const Observed> seen) {
         s.drive = std::max(s.drive, o.drive);
         s.held = std::max(s.held, o.held);
         s.is_position = o.is_position;
+        s.is_told = o.none == 0.0;
         s.alike = o.alike;
     }
 }
@@ -106,7 +107,7 @@ RBDYN_INLINE double ErrorScales::relative(std::size_t what, double difference) c
 RBDYN_INLINE double ErrorScales::rounding() const {
     double worst = 0.0;
     for (const Scale& s : scales_)
-        if (s.is_any) worst = std::max(worst, std::numeric_limits<double>::epsilon() * s.whole / s.scale);
+        if (s.is_any && s.is_told) worst = std::max(worst, std::numeric_limits<double>::epsilon() * s.whole / s.scale);
     return worst;
 }
 
