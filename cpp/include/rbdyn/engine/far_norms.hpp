@@ -26,8 +26,6 @@ public:
 
     /// Whether a guard stays away from zero there.
     bool is_far(int guard) const { return !is_far_.empty() && is_far_[static_cast<std::size_t>(guard)] != 0; }
-    /// Says so of none any more.
-    void forget() { is_far_.assign(is_far_.size(), 0); }
 
 private:
     struct Multiple {
