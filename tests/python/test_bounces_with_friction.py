@@ -76,3 +76,34 @@ def test_a_ball_that_spins_bounces_off_a_rough_floor_as_in_forty_digits(case, er
     # some of them slide and some do not
     stuck = [np.hypot(float(p[0]), float(p[1])) < 0.999 * float(mu) * float(p[2]) for _, p, *_ in told]
     assert any(stuck) and not all(stuck)
+
+
+def axes_of(w, x, y, z):
+    """The axes that a quaternion turns the world's into."""
+    w, x, y, z = np.array([w, x, y, z]) / np.linalg.norm([w, x, y, z])
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+
+
+@pytest.mark.parametrize("r", [0.001, 0.02, 0.4])
+@pytest.mark.parametrize("mu", [1e-7, 1e-6, 1e-5, 1e-3])
+def test_a_little_friction_turns_a_ball_by_itself_not_by_rounding_of_the_force_through_its_centre(mu, r):
+    """A ball that slides through its impact on a turned floor is turned by the friction alone, 5 mu (1 + e) v_n / (2 r):
+    the force along the normal passes its centre. With an arm of rounding it turned what so little friction turns by
+    3e-10 of it, and 2.5e-12 was told."""
+    speed = (2 * g * D(3)).sqrt()
+    turned = float(D("2.5") * D(mu) * D("1.75") * speed / D(r))
+    for axes in (np.eye(3), axes_of(0.3, -0.5, 0.2, 0.7), axes_of(0.9, 0.1, -0.6, 0.25)):
+        along, across, up = axes.T
+        scene = rb.Scene(gravity=-float(g) * up)
+        ball = scene.add(rb.shapes.sphere(2.0, r), position=(3 + r) * up, velocity=0.75 * along)
+        scene.contact(ball.sphere(r), rb.Plane(up), restitution=0.75, friction=rb.Coulomb(mu))
+        run = rb.simulate(scene, until=1.0, error=1e-9)
+        after = run[ball].angular_velocity_world(0.9)
+        assert after @ across == pytest.approx(turned, rel=1e-12)
+        assert abs(after @ up) + abs(after @ along) < 1e-12 * turned

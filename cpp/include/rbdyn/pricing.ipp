@@ -19,6 +19,7 @@
 #include "rbdyn/closed_form/closed_form.hpp"
 #include "rbdyn/event/record.hpp"
 #include "rbdyn/integrate.hpp"
+#include "rbdyn/model/observed.hpp"
 #include "rbdyn/solve_closed.hpp"
 #include "rbdyn/trajectory/accuracy.hpp"
 #include "rbdyn/trajectory/error_scales.hpp"

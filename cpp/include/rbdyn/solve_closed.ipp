@@ -21,6 +21,7 @@
 #include "rbdyn/event/record.hpp"
 #include "rbdyn/integrate.hpp"
 #include "rbdyn/model/hybrid.hpp"
+#include "rbdyn/model/observed.hpp"
 #include "rbdyn/trajectory/accuracy.hpp"
 #include "rbdyn/trajectory/error_scales.hpp"
 

@@ -38,6 +38,8 @@ template <class S>
 struct Touching {
     int a = -1, b = -1;
     Vector3Of<S> place, arm_a, arm_b;            // of the point; from P of each body, or from the world's origin
+    Vector3Of<S> aside_a, aside_b;               // of these what a force along the normal turns by
+    S along_a = S(0.0), along_b = S(0.0);        // and what is left, along the normal
     Vector3Of<S> normal, normal_rate;            // from the surface to the part
     Vector3Of<S> velocity, bias;                 // u, and what of its rate is not linear in accelerations of joints
     Vector3Of<S> turning, turn_bias;             // the angular velocity of a relative to b, and the same of its rate
@@ -71,16 +73,17 @@ struct Touching {
         row.on_b.moment -= torque;
     }
     /// What a force on a, from b, does to each.
-    Wrench<S> on_a(const Vector3Of<S>& force) const { return wrench(arm_a, force); }
-    Wrench<S> on_b(const Vector3Of<S>& force) const { return wrench(arm_b, -force); }
+    Wrench<S> on_a(const Vector3Of<S>& force) const { return wrench(aside_a, along_a, force); }
+    Wrench<S> on_b(const Vector3Of<S>& force) const { return wrench(aside_b, along_b, -force); }
     /// The velocity along the surface.
     Vector3Of<S> slip() const { return velocity - normal * dot<S>(normal, velocity); }
 
 private:
-    static Wrench<S> wrench(const Vector3Of<S>& arm, const Vector3Of<S>& force) {
+    // n x n is exactly zero: no rounding of a force along the normal turns what it passes through the centre of
+    Wrench<S> wrench(const Vector3Of<S>& aside, const S& along, const Vector3Of<S>& force) const {
         Wrench<S> w;
         w.force = force;
-        w.moment = cross<S>(arm, force);
+        w.moment = cross<S>(aside, force) + cross<S>(normal, force) * along;
         return w;
     }
 };
@@ -154,7 +157,7 @@ struct ContactLaw {
         const Vector3Of<S> apart = center.place - foot.place;
         const Vector3Of<S> moving = center.velocity - foot.velocity;
         Vector3Of<S> s = none<S>(), s_rate = none<S>();
-        S reach = exactly<S>(radius);
+        S reach = exactly<S>(radius), between(0.0);  // and from the centre of a ball or bowl along the normal
         const auto turned = [&](const Vector3Of<DoubleDouble>& fixed) {
             const Vector3Of<S> world = of.to_world(exactly<S>(fixed));
             return nearest::Led<S>{world, cross<S>(of.omega, world)};
@@ -184,6 +187,7 @@ struct ContactLaw {
             const S sign(surface == Surface::bowl ? -1.0 : 1.0);
             result.normal = d * (sign / far);
             result.normal_rate = Vector3Of<S>(d_rate - result.normal * dot<S>(result.normal, d_rate)) * (sign / far);
+            between = far * sign;
             result.gap = (far - exactly<S>(surface_radius)) * sign - reach;
         }
         const Vector3Of<S>&n = result.normal, &n_rate = result.normal_rate;
@@ -228,6 +232,13 @@ struct ContactLaw {
         const Vector3Of<S> place_rate = center.velocity - s_rate;
         result.arm_a = center.arm - s;
         result.arm_b = b.body >= 0 ? Vector3Of<S>(result.place - on.place) : result.place;
+        result.aside_a = part == Part::ball ? center.arm : result.arm_a;
+        if (part == Part::ball) result.along_a = -reach;
+        result.aside_b = result.arm_b;
+        if (surface != Surface::plane) {
+            result.aside_b = b.body >= 0 ? foot.arm : foot.place;
+            result.along_b = between - (part == Part::ball ? reach : S(0.0));
+        }
         result.velocity = of.velocity_at(result.arm_a) - on.velocity_at(result.arm_b);
         const auto bias = [&](const Moving<S>& m, const Vector3Of<S>& arm) {
             return Vector3Of<S>(m.bias + cross<S>(m.bias_turn, arm) +

@@ -26,6 +26,7 @@
 #include "rbdyn/mechanics/speed_rounding.hpp"
 #include "rbdyn/mechanics/tree_writer.hpp"
 #include "rbdyn/model/acting.hpp"
+#include "rbdyn/model/observed.hpp"
 #include "rbdyn/model/rail_singular.hpp"
 #include "rbdyn/model/sliding.hpp"
 #include "rbdyn/model/within.hpp"
@@ -415,8 +416,8 @@ RBDYN_INLINE void TreeModel::observe(const Mode& mode, double t, std::span<const
         const double mass = static_cast<double>(n.mass);
         double turned = 0.0;                   // what moves it with that pace [N m]
         double known = tree_models::rounding;  // what of that is rounding
-        out.push_back(
-            {b.center, true, 0.0, std::max(b.center.norm(), spans[at(i)]), Alike::place, place_held(i, size_)});
+        out.push_back({b.center, true, 0.0, b.center.norm(), Alike::place, place_held(i, size_)});
+        out.back().from = spans[at(i)];
         out.push_back({b.velocity, false, 0.0, b.velocity.norm(), Alike::velocity, place_held(i, fastest),
                        mass > 0.0 ? b.effort.force.norm() / mass : 0.0});
         if (!n.is_point) {

@@ -16,6 +16,7 @@
 namespace rbdyn::inline RBDYN_FORM {
 
 struct Event;
+struct Observed;
 
 /// What a body does in a mode besides slipping one way (+1, -1).
 inline constexpr signed char sticks = 0, flies = 2;
@@ -50,19 +51,6 @@ struct Slope {
     bool is_known = false;  // it is finite
     int positions = 0;      // among the variables, the first ones: those that bend as others slope
     double pace = std::numeric_limits<double>::infinity();  // s, in which attitudes turn by about a radian
-};
-
-/// A vector or number of a motion whose error is judged by a scale of its own.
-struct Observed {
-    Vector3 value = Vector3::Zero();
-    bool is_position = false;  // scale: the extent of the motion; else the largest size
-    double size = 0.0;         // its own size, if that is more than its length
-    double whole = 0.0;        // what it is a difference of: far below this it is rounding
-    Alike alike = Alike::nothing;
-    float held = 0.0F;   // of what constraints hold at zero: what it would be, did it move like all else
-    double drive = 0.0;  // m/s^2: of a velocity that follows its position, the sizes of accelerations that make it up
-    double part = 1.0;   // of its error, what counts
-    double none = 0.0;   // of its error, what is rounding that is not told
 };
 
 /// The laws of a scene between events and at them. Immutable; shared by the runs made with it.

@@ -14,6 +14,7 @@
 #include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/expression/program.hpp"
 #include "rbdyn/model/equations.hpp"
+#include "rbdyn/model/observed.hpp"
 #include "rbdyn/series/piece.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {

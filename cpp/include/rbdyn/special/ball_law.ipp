@@ -32,8 +32,9 @@ RBDYN_INLINE void BallLaw::observe(const LawsNow& now, std::vector<Observed>& ou
     const RigidReport r = rigid_report(now);
     // how far its centre goes, measured by that; where it hardly moves the rounding of its place is not told
     const Vector3& at = now.state(index).r;
-    Observed moved{at, true, 0.0, at.norm()};
-    moved.none = 8.0 * std::numeric_limits<double>::epsilon() * moved.whole;
+    Observed moved{at, true};
+    moved.from = at.norm();
+    moved.none = 8.0 * std::numeric_limits<double>::epsilon() * moved.from;
     out.push_back(moved);
     observe_axes(r, out);
     observe_force(r, out);

@@ -22,6 +22,7 @@
 #include "rbdyn/model/equations.hpp"
 #include "rbdyn/model/equations_writer.hpp"
 #include "rbdyn/model/hybrid.hpp"
+#include "rbdyn/model/observed.hpp"
 #include "rbdyn/model/omission.hpp"
 #include "rbdyn/model/state_map.hpp"
 #include "rbdyn/model/system_report.hpp"

@@ -20,6 +20,7 @@
 #include "rbdyn/model/equations.hpp"
 #include "rbdyn/model/equations_writer.hpp"
 #include "rbdyn/model/hybrid.hpp"
+#include "rbdyn/model/observed.hpp"
 #include "rbdyn/model/recorded_model.hpp"
 #include "rbdyn/model/state_map.hpp"
 #include "rbdyn/model/within.hpp"

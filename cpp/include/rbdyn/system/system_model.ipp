@@ -15,6 +15,7 @@
 #include "rbdyn/expression/expression.hpp"
 #include "rbdyn/expression/recorder.hpp"
 #include "rbdyn/expression/recording.hpp"
+#include "rbdyn/model/observed.hpp"
 #include "rbdyn/model/sliding.hpp"
 #include "rbdyn/model/watch_role.hpp"
 

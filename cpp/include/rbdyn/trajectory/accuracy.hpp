@@ -18,6 +18,7 @@
 #include "rbdyn/event/event.hpp"
 #include "rbdyn/event/record.hpp"
 #include "rbdyn/model/hybrid.hpp"
+#include "rbdyn/model/observed.hpp"
 #include "rbdyn/trajectory/error_scales.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {

@@ -13,6 +13,7 @@
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/model/equations.hpp"
 #include "rbdyn/model/hybrid.hpp"
+#include "rbdyn/model/observed.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
@@ -20,7 +21,7 @@ RBDYN_INLINE std::vector<double> ErrorScales::numbers() const {
     std::vector<double> all;
     for (const Scale& s : scales_)
         all.insert(all.end(), {s.low[0], s.low[1], s.low[2], s.high[0], s.high[1], s.high[2], s.size, s.whole, s.drive,
-                               s.held, s.is_position ? 1.0 : 0.0, static_cast<double>(s.alike)});
+                               s.held, s.is_position ? 1.0 : 0.0, static_cast<double>(s.alike), s.from});
     return all;
 }
 
@@ -38,6 +39,7 @@ RBDYN_INLINE ErrorScales ErrorScales::of(std::span<const double> numbers) {
         s.is_position = n[10] != 0.0;
         const double alike = n[11] >= 0.0 && n[11] < static_cast<double>(kinds) ? n[11] : -1.0;
         s.alike = static_cast<Alike>(static_cast<int>(alike));
+        s.from = n[12];
     }
     return result;
 }
@@ -52,10 +54,10 @@ RBDYN_INLINE void ErrorScales::widen(std::span<const Observed> seen) {
         s.high = greater(s.high, o.value);
         s.size = std::max({s.size, safe_norm(o.value), o.size});
         s.whole = std::max(s.whole, o.whole);
+        s.from = std::max(s.from, o.from);
         s.drive = std::max(s.drive, o.drive);
         s.held = std::max(s.held, o.held);
         s.is_position = o.is_position;
-        s.is_told = o.none == 0.0;
         s.alike = o.alike;
     }
 }
@@ -68,7 +70,7 @@ RBDYN_INLINE void ErrorScales::settle(double wanted, double span) {
     for (Scale& s : scales_) {
         s.scale = s.is_position ? safe_norm(s.high - s.low) : s.size;
         // a body that moves by rounding alone does not move; a reaction that is rounding of the forces is none
-        s.is_any = s.scale > nothing * s.whole;
+        s.is_any = s.scale > nothing * std::max(s.whole, s.from);
         // nor has it a velocity, where that is no more than what rounding of its forces makes in that time
         if (s.drive > 0.0 && &s != scales_.data() && !(&s)[-1].is_any && s.scale <= nothing * s.drive * span)
             s.is_any = false;
@@ -76,7 +78,7 @@ RBDYN_INLINE void ErrorScales::settle(double wanted, double span) {
         const auto kind = static_cast<std::size_t>(s.alike);
         ++count[kind];
         largest[kind] = std::max(largest[kind], s.scale);
-        farthest[kind] = std::max(farthest[kind], s.whole);
+        farthest[kind] = std::max({farthest[kind], s.whole, s.from});
         strongest = std::max(strongest, s.drive);
     }
     // digits that positions have lost are lost to all else
@@ -107,7 +109,7 @@ RBDYN_INLINE double ErrorScales::relative(std::size_t what, double difference) c
 RBDYN_INLINE double ErrorScales::rounding() const {
     double worst = 0.0;
     for (const Scale& s : scales_)
-        if (s.is_any && s.is_told) worst = std::max(worst, std::numeric_limits<double>::epsilon() * s.whole / s.scale);
+        if (s.is_any) worst = std::max(worst, std::numeric_limits<double>::epsilon() * s.whole / s.scale);
     return worst;
 }
 

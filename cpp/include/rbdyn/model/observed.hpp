@@ -1,0 +1,24 @@
+// What the accuracy of a motion is judged by: what models show of it, each with the sizes it is measured against.
+#pragma once
+
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/basics/vector.hpp"
+#include "rbdyn/model/equations.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
+
+/// A vector or number of a motion whose error is judged by a scale of its own.
+struct Observed {
+    Vector3 value = Vector3::Zero();
+    bool is_position = false;  // scale: the extent of the motion; else the largest size
+    double size = 0.0;         // its own size, if that is more than its length
+    double whole = 0.0;        // what it is a difference of: far below this it is rounding
+    Alike alike = Alike::nothing;
+    float held = 0.0F;   // of what constraints hold at zero: what it would be, did it move like all else
+    double drive = 0.0;  // m/s^2: of a velocity that follows its position, the sizes of accelerations that make it up
+    double part = 1.0;   // of its error, what counts
+    double none = 0.0;   // of its error, what is rounding that is not told
+    double from = 0.0;   // of a place, from how far it is held: as `whole`, but its rounding is not told
+};
+
+}  // namespace rbdyn::inline RBDYN_FORM
