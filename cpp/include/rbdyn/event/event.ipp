@@ -79,7 +79,8 @@ RBDYN_INLINE std::string_view advice(Status status) {
         "The motion is complete.",
         "The motion ended where the scene says it does; the last event tells where.",
         "The motion up to here is kept; run again from the last state to go on.",
-        "Raise max_steps, shorten the time span, or ask for less accuracy if the motion is fast by nature.",
+        "Raise max_steps, shorten the time span, or ask for less accuracy if the motion is fast by nature. Steps that "
+        "get ever shorter and would be far too many end so too, long before max_steps: look at what happens there.",
         "A force, curve, drive, watched function or rate of a variable is not finite at the end of this run; look "
         "there.",
         "The motion is certain up to certain_until; ask for less accuracy, or stop there.",

@@ -291,9 +291,14 @@ RBDYN_INLINE std::vector<double> forces_inside(const std::vector<double>& z0, co
     const auto slope_of = [&](std::size_t row, std::size_t i, bool is_normal) {
         return i < count ? directions[i][row] : is_normal ? 1.0 : 0.0;
     };
-    // the value, and where asked its gradient and its second derivatives
+    // the value, and where asked its gradient and its second derivatives; of the value what is rounding
+    double rounding = 0.0;
+    std::vector<double> dn(count + 1), dq(count + 1);
+    const Square none(count + 1, std::vector<double>(count + 1, 0.0));
+    Square ddq = none;
     const auto barrier = [&](const std::vector<double>& at, bool first, std::vector<double>* slope, Square* bend) {
         double sum = first ? at[count] : 0.0;
+        rounding = 0.0;
         if (slope != nullptr) {
             slope->assign(count + 1, 0.0);
             bend->assign(count + 1, std::vector<double>(count + 1, 0.0));
@@ -309,13 +314,15 @@ RBDYN_INLINE std::vector<double> forces_inside(const std::vector<double>& z0, co
                     (*bend)[i][j] += times * directions[i][row] * directions[j][row];
             }
         };
-        const auto inside = [&](double q, const std::vector<double>& dq, const Square& ddq) {
+        const auto inside = [&](double q, double terms, const std::vector<double>& by, const Square& twice) {
             if (!(q > 0.0)) return false;
             sum -= weight * std::log(q);
+            rounding += 0x1p-50 * weight * terms / q;
             if (slope == nullptr) return true;
             for (std::size_t i = 0; i <= count; ++i) {
-                (*slope)[i] -= weight * dq[i] / q;
-                for (std::size_t j = 0; j <= count; ++j) (*bend)[i][j] += weight * (dq[i] * dq[j] / q - ddq[i][j]) / q;
+                (*slope)[i] -= weight * by[i] / q;
+                for (std::size_t j = 0; j <= count; ++j)
+                    (*bend)[i][j] += weight * (by[i] * by[j] / q - twice[i][j]) / q;
             }
             return true;
         };
@@ -324,26 +331,26 @@ RBDYN_INLINE std::vector<double> forces_inside(const std::vector<double>& z0, co
             const std::size_t own = cone.is_line ? 1 : 3;
             for (std::size_t i = 0; i < own; ++i) square(f + i, first ? 1e-2 * weight : 1.0);
             const double normal = value_of(at, f) + (first ? at[count] : 0.0);
-            std::vector<double> dn(count + 1), dq(count + 1, 0.0);
-            for (std::size_t i = 0; i <= count; ++i) dn[i] = slope_of(f, i, true);
-            Square none(count + 1, std::vector<double>(count + 1, 0.0)), ddq = none;
-            if (!inside(normal, dn, none)) return std::pair(false, 0.0);
+            if (slope != nullptr)
+                for (std::size_t i = 0; i <= count; ++i) dn[i] = slope_of(f, i, true);
+            if (!inside(normal, 1.0, dn, none)) return std::pair(false, 0.0);
             if (cone.is_line || !std::isfinite(cone.mu)) continue;
-            double q = cone.mu * cone.mu * normal * normal;
-            for (std::size_t i = 0; i <= count; ++i) {
+            const double most = cone.mu * cone.mu * normal * normal;
+            double q = most;
+            for (std::size_t i = 0; i <= count && slope != nullptr; ++i) {
                 dq[i] = 2.0 * cone.mu * cone.mu * normal * dn[i];
                 for (std::size_t j = 0; j <= count; ++j) ddq[i][j] = 2.0 * cone.mu * cone.mu * dn[i] * dn[j];
             }
             for (std::size_t k = 1; k < 3; ++k) {
                 const double v = value_of(at, f + k);
                 q -= v * v;
-                for (std::size_t i = 0; i <= count; ++i) {
+                for (std::size_t i = 0; i <= count && slope != nullptr; ++i) {
                     dq[i] -= 2.0 * v * slope_of(f + k, i, false);
                     for (std::size_t j = 0; j <= count; ++j)
                         ddq[i][j] -= 2.0 * slope_of(f + k, i, false) * slope_of(f + k, j, false);
                 }
             }
-            if (!inside(q, dq, ddq)) return std::pair(false, 0.0);
+            if (!inside(q, most, dq, ddq)) return std::pair(false, 0.0);
         }
         return std::pair(true, sum);
     };
@@ -352,6 +359,7 @@ RBDYN_INLINE std::vector<double> forces_inside(const std::vector<double>& z0, co
         Square bend;
         for (int pass = 0; pass < 200; ++pass) {
             const auto [is_in, now] = barrier(c, first, &slope, &bend);
+            const double known = rounding;
             if (!is_in) return false;
             if (first && c[count] < 0.0) return true;
             if (!first)
@@ -363,8 +371,9 @@ RBDYN_INLINE std::vector<double> forces_inside(const std::vector<double>& z0, co
             const std::vector<double> step = solve_any(bend, down, 1e-40);
             double falls = 0.0;
             for (std::size_t i = 0; i <= count; ++i) falls -= step[i] * slope[i];
-            // of the first, whether it falls by less than its rounding is not told
-            if (falls < (first ? std::max(1e-13 * weight, 0x1p-52 * std::abs(now)) : 1e-13)) return !first;
+            // whether it falls by less than its rounding is not told
+            if (falls < std::max(first ? std::max(1e-13 * weight, 0x1p-52 * std::abs(now)) : 1e-13, known))
+                return !first;
             double way = 1.0;
             while (true) {
                 std::vector<double> next = c;
@@ -399,12 +408,18 @@ RBDYN_INLINE std::vector<double> forces_inside(const std::vector<double>& z0, co
     std::vector<double> result;
     for (std::size_t i = 0; i < count; ++i) result.push_back(c[i] * size);
     // those that rounding cannot tell from their edges are not inside
+    const auto rounding_of = [&](std::size_t row) {
+        double sum = std::abs(z0[row]) / size;
+        for (std::size_t i = 0; i < count; ++i) sum += std::abs(c[i] * directions[i][row]);
+        return 0x1p-51 * sum;
+    };
     for (const Cone& cone : all) {
         const auto f = static_cast<std::size_t>(cone.first);
-        const double normal = value_of(c, f);
-        if (!(normal > 1e-13)) return {};
+        const double normal = value_of(c, f), known = rounding_of(f);
+        if (!(normal > known)) return {};
         if (cone.is_line || !std::isfinite(cone.mu)) continue;
-        if (!(cone.mu * normal - std::hypot(value_of(c, f + 1), value_of(c, f + 2)) > 1e-13)) return {};
+        const double across = std::hypot(value_of(c, f + 1), value_of(c, f + 2));
+        if (!(cone.mu * normal - across > cone.mu * known + rounding_of(f + 1) + rounding_of(f + 2))) return {};
     }
     return result;
 }

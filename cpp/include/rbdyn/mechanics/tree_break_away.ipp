@@ -112,10 +112,10 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
         for (std::size_t j = f; j < f + 3; ++j) is_none = is_none && std::abs(found.rate[j]) <= 1e3 * noise[j];
         return is_none;
     };
-    const auto is_on_edge = [&](std::size_t i) {
+    const auto is_on_edge = [&](std::size_t i, double to = 1e-6) {
         const auto f = static_cast<std::size_t>(touched.cones[i].first);
-        return found.states[i] == ConeState::held && std::hypot(found.force[f + 1], found.force[f + 2]) >=
-                                                         (1.0 - 1e-6) * touched.cones[i].mu * found.force[f];
+        return found.states[i] == ConeState::held &&
+               std::hypot(found.force[f + 1], found.force[f + 2]) >= (1.0 - to) * touched.cones[i].mu * found.force[f];
     };
     // what neither pushes nor moves has no direction to slide in
     const auto idles = [&](std::size_t i) {
@@ -184,6 +184,17 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
         mode.impossible = no_forces("forces", candidates);
         return;
     }
+    // what is on its edge when others begin to slide without an acceleration begins with them
+    const std::size_t known = breaking.size();
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+        if (touched.cones[i].is_line || breaks(candidates[i]) || idles(i) || !is_on_edge(i, 1e-9)) continue;
+        for (std::size_t j = 0; j < candidates.size(); ++j)
+            if (!touched.cones[j].is_line && found.states[j] == ConeState::slides && is_still(j) && !idles(j)) {
+                breaking.push_back(candidates[i]);
+                break;
+            }
+    }
+    if (breaking.size() > known) return settle_breaking(before, mode, t, x, candidates, fired, breaking);
     for (std::size_t i = 0; i < candidates.size(); ++i)
         if (found.states[i] == ConeState::slides && !breaks(candidates[i]) && idles(i)) {
             found.states[i] = ConeState::open;
@@ -202,6 +213,13 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
             std::find(fired.landing.begin(), fired.landing.end(), candidates[i]) != fired.landing.end();
         return found.rate[f] > size || (has_landed && before.jumps == mode.jumps);
     };
+    // one that does not press, where the others bear all of it, and moves along with them does not open: it slides
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+        const bool is_fired =
+            std::find(fired.doubtful.begin(), fired.doubtful.end(), candidates[i]) != fired.doubtful.end();
+        if (touched.cones[i].is_line || found.states[i] != ConeState::open || is_fired) continue;
+        if (!parts(i) && !is_still(i)) found.states[i] = ConeState::slides;
+    }
     // one that does nothing on the edge of opening or sliding is held with the others, if forces inside all cones are
     // left then
     mechanics::ConeForces marginal = found;
@@ -238,7 +256,7 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
 
 RBDYN_INLINE std::vector<bool> TreeModel::begin_to_slide(const Mode& mode, Touched& touched,
                                                          const mechanics::ConeForces& found,
-                                                         const std::vector<double>& noise,
+                                                         const std::vector<double>& b, const std::vector<double>& noise,
                                                          const std::vector<int>& breaking) const {
     using mechanics::ConeState;
     std::vector<bool> begins(touched.all.size(), false);
@@ -255,9 +273,12 @@ RBDYN_INLINE std::vector<bool> TreeModel::begin_to_slide(const Mode& mode, Touch
         if (!begins[i]) continue;
         const Vector3 rate = one.axes[1] * found.rate[f + 1] + one.axes[2] * found.rate[f + 2],
                       force = one.axes[1] * found.force[f + 1] + one.axes[2] * found.force[f + 2];
-        moves[i] = rate.norm() > 1e3 * (noise[f + 1] + noise[f + 2]);
+        const double blurred = noise[f + 1] + noise[f + 2];
+        moves[i] = rate.norm() > 1e3 * blurred;
         wholes[i] = moves[i] ? rate : Vector3(-force);
-        doubt[i] = moves[i] ? 1e-9 + (noise[f + 1] + noise[f + 2]) / rate.norm() : 1e-6;
+        // that of a force on its edge is known to the root of what its rate is short of none
+        const double all = std::hypot(b[f + 1], b[f + 2]), left = all > 0.0 ? rate.norm() / all : 0.0;
+        doubt[i] = moves[i] ? 1e-9 + blurred / rate.norm() : 1e-6 + 32.0 * std::sqrt(left);
         one.along = wholes[i].normalized();
     }
     // of contacts of the same bodies that begin along one direction all do so along that of their sum: what each of
@@ -323,7 +344,7 @@ RBDYN_INLINE bool TreeModel::take(const Mode& before, Mode& mode, double t, Touc
     const auto breaks = [&](int k) { return std::find(breaking.begin(), breaking.end(), k) != breaking.end(); };
     std::vector<int> candidates;
     for (const Touched::One& one : touched.all) candidates.push_back(one.contact);
-    const std::vector<bool> starting = begin_to_slide(mode, touched, found, noise, breaking);
+    const std::vector<bool> starting = begin_to_slide(mode, touched, found, b, noise, breaking);
     // sliding forces come first, then what is held
     std::vector<int> rows = rows_without_contacts(mode);
     for (std::size_t i = 0; i < candidates.size(); ++i) {

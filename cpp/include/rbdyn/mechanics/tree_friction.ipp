@@ -332,6 +332,8 @@ RBDYN_INLINE void TreeModel::tell_friction(const Mode& mode, const Mode& after, 
                                            const std::vector<mechanics::Moving<double>>& now,
                                            std::vector<Happening>& happenings) const {
     using namespace mechanics::contact_state;
+    // what stops with others within the rounding of its speed turns back with them, whichever of them is seen to
+    const bool no_impact = mode.jumps == after.jumps;
     for (int k = 0; k < contacts(); ++k) {
         const signed char was = mode.slip[at(k)], is = after.slip[at(k)];
         const auto slides = [&](signed char s) {
@@ -341,7 +343,7 @@ RBDYN_INLINE void TreeModel::tell_friction(const Mode& mode, const Mode& after, 
         std::optional<EventKind> kind;
         if (slides(was) && is_held(is)) kind = EventKind::stick;
         if (is_held(was) && slides(is)) kind = EventKind::slip;
-        if (slides(was) && slides(is) && stops && !mechanics::contact_state::follows_slip(was)) {
+        if (slides(was) && slides(is) && (stops || no_impact) && !mechanics::contact_state::follows_slip(was)) {
             const auto direction = [&](const Mode& m, const auto& all) {
                 const Vector3 normal = conditions_->contacts()[at(k)].touching<double>(*tree_, all).normal;
                 return Vector3(mechanics::ContactMemory::of(m.memory, k).axis.cross(normal));

@@ -225,7 +225,8 @@ private:
     /// Which contacts begin to slide by forces found, and along which directions: of those of the same bodies that do
     /// so along one direction it is that of all of them.
     std::vector<bool> begin_to_slide(const Mode& mode, Touched& touched, const mechanics::ConeForces& found,
-                                     const std::vector<double>& noise, const std::vector<int>& breaking) const;
+                                     const std::vector<double>& b, const std::vector<double>& noise,
+                                     const std::vector<int>& breaking) const;
     /// The states of contacts from forces found. Returns whether they can be held so; `may_be_on_edges`: where all of
     /// them are on the edges of their cones, too.
     bool take(const Mode& before, Mode& mode, double t, Touched& touched, const mechanics::ConeForces& found,

@@ -421,11 +421,15 @@ RBDYN_INLINE void TreeModel::observe(const Mode& mode, double t, std::span<const
         out.push_back({b.velocity, false, 0.0, b.velocity.norm(), Alike::velocity, place_held(i, fastest),
                        mass > 0.0 ? b.effort.force.norm() / mass : 0.0});
         if (!n.is_point) {
-            for (const Vector3* axis : {&m.axes.e1, &m.axes.e2, &m.axes.e3}) out.push_back({*axis, false, 1.0, 1.0});
             // what forces of this size would make of it: far below that it is rounding
             const double moments = b.inertia(0, 0) + b.inertia(1, 1) + b.inertia(2, 2),
                          gyration = mass > 0.0 ? std::sqrt(moments / mass) : 0.0,
                          natural = gyration > 0.0 ? std::sqrt(b.effort.force.norm() / (mass * gyration)) : 0.0;
+            for (const Vector3* axis : {&m.axes.e1, &m.axes.e2, &m.axes.e3}) {
+                out.push_back({*axis, false, 1.0, 1.0});
+                // at contacts rounding turns what does not turn
+                if (contacts() == 0) out.back().gyration = gyration;
+            }
             // and so it is beside what contacts at this speed would: where it strikes, and nothing pushes afterwards
             const bool is_none = gyration > 0.0 && touches[at(i)] &&
                                  m.omega.norm() * gyration <= tree_models::rounding * b.velocity.norm();
@@ -502,9 +506,11 @@ RBDYN_INLINE void TreeModel::observe(const Mode& mode, double t, std::span<const
         const ConstraintReport& c = state.constraints[k];
         const mechanics::Condition& law = conditions_->all()[k];
         const Wrench<double> most = effort(law.a, law.b);
+        // what shares a load that is not unique is one of many
+        const double counts = shares_load(mode) ? 0.0 : 1.0;
         for (const auto& [value, whole, alike] : {std::tuple(c.force, most.force.norm(), Alike::force),
                                                   std::tuple(c.torque, most.moment.norm(), Alike::torque)}) {
-            out.push_back({value, false, 0.0, std::max(value.norm(), whole), alike});
+            out.push_back({value * counts, false, 0.0, std::max(value.norm(), whole), alike});
             out.back().part = slips.between(law.a.body, law.b.body);
         }
     }

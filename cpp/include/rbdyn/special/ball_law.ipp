@@ -36,7 +36,7 @@ RBDYN_INLINE void BallLaw::observe(const LawsNow& now, std::vector<Observed>& ou
     moved.from = at.norm();
     moved.none = 8.0 * std::numeric_limits<double>::epsilon() * moved.from;
     out.push_back(moved);
-    observe_axes(r, out);
+    observe_axes(r, out, std::sqrt(inertia.trace() / mass));
     observe_force(r, out);
 }
 

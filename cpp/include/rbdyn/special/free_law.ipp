@@ -3,6 +3,7 @@
 
 #include "rbdyn/special/free_law.hpp"
 
+#include <cmath>
 #include <cstddef>
 #include <memory>
 #include <string>
@@ -39,7 +40,7 @@ RBDYN_INLINE void FreeLaw::start_in(const Scene::Body& b, DoubleDouble* q, Doubl
 RBDYN_INLINE void FreeLaw::observe(const LawsNow& now, std::vector<Observed>& out) const {
     const RigidReport r = rigid_report(now);
     observe_center(r, now, out);
-    observe_axes(r, out);
+    observe_axes(r, out, std::sqrt(inertia.trace() / mass));
 }
 
 RBDYN_INLINE std::unique_ptr<const BodyForm> FreeLaw::closed_form(const Scene& scene,

@@ -188,7 +188,7 @@ protected:
 
     // what is judged of a body in motion: its centre of mass, its axes, what its joint exerts
     void observe_center(const RigidReport& r, const LawsNow& now, std::vector<Observed>& out) const;
-    static void observe_axes(const RigidReport& r, std::vector<Observed>& out);
+    static void observe_axes(const RigidReport& r, std::vector<Observed>& out, double gyration = 0.0);
     static void observe_force(const RigidReport& r, std::vector<Observed>& out);
     static void observe_torque(const RigidReport& r, std::vector<Observed>& out);
 

@@ -179,10 +179,13 @@ RBDYN_INLINE void RigidLaw::observe_center(const RigidReport& r, const LawsNow& 
     out.push_back({p.v, false, 0.0, p.v.norm(), Alike::velocity, 0.0F, r.force_effort / mass});
 }
 
-RBDYN_INLINE void RigidLaw::observe_axes(const RigidReport& r, std::vector<Observed>& out) {
+RBDYN_INLINE void RigidLaw::observe_axes(const RigidReport& r, std::vector<Observed>& out, double gyration) {
     // axes of unit length: together they show the angle between two attitudes
     const Matrix3 axes = rotation_matrix(r.attitude);
-    for (int k = 0; k < 3; ++k) out.push_back({column(axes, k), false, 1.0, 1.0});
+    for (int k = 0; k < 3; ++k) {
+        out.push_back({column(axes, k), false, 1.0, 1.0});
+        out.back().gyration = gyration;
+    }
     out.push_back({r.angular_velocity, false, 0.0, r.angular_velocity.norm(), Alike::turning});
 }
 

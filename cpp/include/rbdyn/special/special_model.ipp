@@ -381,7 +381,8 @@ RBDYN_INLINE std::string SpecialModel::grown(const Mode& before, double t0, std:
         if (!laws_->coupling(k).present()) continue;
         const double first = was.coupling_force(k).norm(), last = is.coupling_force(k).norm();
         if (last > beyond * first && first > 0.0)
-            return laws_->title(k) + ", which has grown from " + text(first) + " to " + text(last) + " N: they meet";
+            return laws_->title(k) + ", which has grown from " + text(first) + " to " + text(last) +
+                   " N: they meet, or pass so near that doubles do not tell";
     }
     return {};
 }

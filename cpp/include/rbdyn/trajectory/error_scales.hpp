@@ -42,12 +42,12 @@ private:
     struct Scale {
         Vector3 low = Vector3::Constant(std::numeric_limits<double>::infinity());
         Vector3 high = Vector3::Constant(-std::numeric_limits<double>::infinity());
-        double size = 0.0, whole = 0.0, from = 0.0, scale = 0.0, drive = 0.0;
+        double size = 0.0, whole = 0.0, from = 0.0, gyration = 0.0, scale = 0.0, drive = 0.0;
         bool is_position = false, is_any = false;
         Alike alike = Alike::nothing;
         float held = 0.0F;
     };
-    static constexpr std::size_t kinds = 5, numbers_each = 13;
+    static constexpr std::size_t kinds = 5, numbers_each = 14;
 
     std::vector<Scale> scales_;
 };

@@ -21,7 +21,7 @@ RBDYN_INLINE std::vector<double> ErrorScales::numbers() const {
     std::vector<double> all;
     for (const Scale& s : scales_)
         all.insert(all.end(), {s.low[0], s.low[1], s.low[2], s.high[0], s.high[1], s.high[2], s.size, s.whole, s.drive,
-                               s.held, s.is_position ? 1.0 : 0.0, static_cast<double>(s.alike), s.from});
+                               s.held, s.is_position ? 1.0 : 0.0, static_cast<double>(s.alike), s.from, s.gyration});
     return all;
 }
 
@@ -40,6 +40,7 @@ RBDYN_INLINE ErrorScales ErrorScales::of(std::span<const double> numbers) {
         const double alike = n[11] >= 0.0 && n[11] < static_cast<double>(kinds) ? n[11] : -1.0;
         s.alike = static_cast<Alike>(static_cast<int>(alike));
         s.from = n[12];
+        s.gyration = n[13];
     }
     return result;
 }
@@ -55,6 +56,7 @@ RBDYN_INLINE void ErrorScales::widen(std::span<const Observed> seen) {
         s.size = std::max({s.size, safe_norm(o.value), o.size});
         s.whole = std::max(s.whole, o.whole);
         s.from = std::max(s.from, o.from);
+        s.gyration = o.gyration;
         s.drive = std::max(s.drive, o.drive);
         s.held = std::max(s.held, o.held);
         s.is_position = o.is_position;
@@ -67,8 +69,13 @@ RBDYN_INLINE void ErrorScales::settle(double wanted, double span) {
     std::array<double, kinds> largest{}, farthest{};
     double strongest = 0.0;  // of what drives velocities
     std::array<int, kinds> count{};
+    double way = 0.0;  // of a body's place
     for (Scale& s : scales_) {
-        s.scale = s.is_position ? safe_norm(s.high - s.low) : s.size;
+        const double extent = safe_norm(s.high - s.low);
+        s.scale = s.is_position ? extent : s.size;
+        if (s.is_position) way = extent;
+        // a body that hardly turns: by how far its points go
+        if (s.gyration > 0.0) s.scale = std::min(s.size, std::max(extent, way / s.gyration));
         // a body that moves by rounding alone does not move; a reaction that is rounding of the forces is none
         s.is_any = s.scale > nothing * std::max(s.whole, s.from);
         // nor has it a velocity, where that is no more than what rounding of its forces makes in that time
