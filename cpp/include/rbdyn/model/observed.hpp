@@ -19,7 +19,7 @@ struct Observed {
     double part = 1.0;   // of its error, what counts
     double none = 0.0;   // of its error, what is rounding that is not told
     double from = 0.0;   // of a place, from how far it is held: as `whole`, but its rounding is not told
-    double gyration = 0.0;  // m, of an axis: scale: how far it goes, or the place before it over this; `size` at most
+    double gyration = 0.0;  // m, of an axis: by what is seen after it and before, it is measured (error_scales.hpp)
 };
 
 }  // namespace rbdyn::inline RBDYN_FORM

@@ -1,6 +1,7 @@
 // What errors of a motion are measured against: the scales of all that is seen of it.
 //
-// Positions are measured by the extent of their body's motion, all else by its largest magnitude; of bodies that belong
+// Positions are measured by the extent of their body's motion, axes by the angle it would turn by at its quickest or by
+// its place over its radius of gyration, a radian at most, all else by its largest magnitude; of bodies that belong
 // together by least_share() of the largest of their kind at least. What constraints hold at zero, and what is no more
 // than rounding or the error wanted of what moves, is measured by what moves.
 #pragma once

@@ -70,12 +70,17 @@ RBDYN_INLINE void ErrorScales::settle(double wanted, double span) {
     double strongest = 0.0;  // of what drives velocities
     std::array<int, kinds> count{};
     double way = 0.0;  // of a body's place
-    for (Scale& s : scales_) {
-        const double extent = safe_norm(s.high - s.low);
-        s.scale = s.is_position ? extent : s.size;
-        if (s.is_position) way = extent;
-        // a body that hardly turns: by how far its points go
-        if (s.gyration > 0.0) s.scale = std::min(s.size, std::max(extent, way / s.gyration));
+    for (std::size_t k = 0; k < scales_.size(); ++k) {
+        Scale& s = scales_[k];
+        s.scale = s.is_position ? safe_norm(s.high - s.low) : s.size;
+        if (s.is_position) way = s.scale;
+        // a body that hardly turns, by the angular velocity that follows its axes: by how far its points go
+        if (s.gyration > 0.0) {
+            std::size_t next = k;
+            while (next < scales_.size() && scales_[next].gyration > 0.0) ++next;
+            const double turn = next < scales_.size() ? scales_[next].size * span : s.size;
+            s.scale = std::min(s.size, std::max(turn, way / s.gyration));
+        }
         // a body that moves by rounding alone does not move; a reaction that is rounding of the forces is none
         s.is_any = s.scale > nothing * std::max(s.whole, s.from);
         // nor has it a velocity, where that is no more than what rounding of its forces makes in that time
