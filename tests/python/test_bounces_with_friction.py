@@ -93,9 +93,9 @@ def axes_of(w, x, y, z):
 @pytest.mark.parametrize("r", [0.001, 0.02, 0.4])
 @pytest.mark.parametrize("mu", [1e-7, 1e-6, 1e-5, 1e-3])
 def test_a_little_friction_turns_a_ball_by_itself_not_by_rounding_of_the_force_through_its_centre(mu, r):
-    """A ball that slides through its impact on a turned floor is turned by the friction alone, 5 mu (1 + e) v_n / (2 r):
-    the force along the normal passes its centre. With an arm of rounding it turned what so little friction turns by
-    3e-10 of it, and 2.5e-12 was told."""
+    """A ball that slides through its impact on a turned floor is turned by friction alone, 5 mu (1 + e) v_n / (2 r):
+    the force along the normal passes its centre. With an arm of rounding it turned what so little friction turns
+    by 3e-10 of it, and 2.5e-12 was told."""
     speed = (2 * g * D(3)).sqrt()
     turned = float(D("2.5") * D(mu) * D("1.75") * speed / D(r))
     for axes in (np.eye(3), axes_of(0.3, -0.5, 0.2, 0.7), axes_of(0.9, 0.1, -0.6, 0.25)):
