@@ -157,7 +157,7 @@ struct ContactLaw {
         const Vector3Of<S> apart = center.place - foot.place;
         const Vector3Of<S> moving = center.velocity - foot.velocity;
         Vector3Of<S> s = none<S>(), s_rate = none<S>();
-        S reach = exactly<S>(radius), between(0.0);  // and from the centre of a ball or bowl along the normal
+        S reach = exactly<S>(radius);
         const auto turned = [&](const Vector3Of<DoubleDouble>& fixed) {
             const Vector3Of<S> world = of.to_world(exactly<S>(fixed));
             return nearest::Led<S>{world, cross<S>(of.omega, world)};
@@ -187,7 +187,7 @@ struct ContactLaw {
             const S sign(surface == Surface::bowl ? -1.0 : 1.0);
             result.normal = d * (sign / far);
             result.normal_rate = Vector3Of<S>(d_rate - result.normal * dot<S>(result.normal, d_rate)) * (sign / far);
-            between = far * sign;
+            result.along_b = far * sign - reach;
             result.gap = (far - exactly<S>(surface_radius)) * sign - reach;
         }
         const Vector3Of<S>&n = result.normal, &n_rate = result.normal_rate;
@@ -234,11 +234,7 @@ struct ContactLaw {
         result.arm_b = b.body >= 0 ? Vector3Of<S>(result.place - on.place) : result.place;
         result.aside_a = part == Part::ball ? center.arm : result.arm_a;
         if (part == Part::ball) result.along_a = -reach;
-        result.aside_b = result.arm_b;
-        if (surface != Surface::plane) {
-            result.aside_b = b.body >= 0 ? foot.arm : foot.place;
-            result.along_b = between - (part == Part::ball ? reach : S(0.0));
-        }
+        result.aside_b = surface == Surface::plane ? result.arm_b : b.body >= 0 ? foot.arm : foot.place;
         result.velocity = of.velocity_at(result.arm_a) - on.velocity_at(result.arm_b);
         const auto bias = [&](const Moving<S>& m, const Vector3Of<S>& arm) {
             return Vector3Of<S>(m.bias + cross<S>(m.bias_turn, arm) +

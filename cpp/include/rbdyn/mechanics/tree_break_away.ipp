@@ -126,19 +126,20 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
         for (std::size_t j = f; j < f + 3; ++j) own = std::max(own, std::abs(found.force[j]));
         return own <= 1e-13 * largest;
     };
+    const auto is_doubtful = [&](std::size_t i) {
+        return std::find(fired.doubtful.begin(), fired.doubtful.end(), candidates[i]) != fired.doubtful.end();
+    };
     // what would have to pull opens, whatever rounding has left of its force
     const auto open_doubtful = [&](mechanics::ConeForces& forces) {
         const double largest = *std::max_element(forces.force.begin(), forces.force.end());
         for (std::size_t i = 0; i < candidates.size(); ++i) {
             const auto f = static_cast<std::size_t>(touched.cones[i].first);
-            const bool is_fired =
-                std::find(fired.doubtful.begin(), fired.doubtful.end(), candidates[i]) != fired.doubtful.end();
             // friction without bound may be all of it
             const bool is_unbounded =
                 !touched.cones[i].is_line && conditions_->contacts()[at(candidates[i])].never_slips();
             const double own =
                 is_unbounded ? std::hypot(forces.force[f], forces.force[f + 1], forces.force[f + 2]) : forces.force[f];
-            if (!is_fired || own > 1e-8 * largest) continue;
+            if (!is_doubtful(i) || own > 1e-8 * largest) continue;
             forces.states[i] = ConeState::open;
             for (std::size_t j = f; j < f + (touched.cones[i].is_line ? 1U : 3U); ++j) forces.force[j] = 0.0;
         }
@@ -215,9 +216,7 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
     };
     // one that does not press, where the others bear all of it, and moves along with them does not open: it slides
     for (std::size_t i = 0; i < candidates.size(); ++i) {
-        const bool is_fired =
-            std::find(fired.doubtful.begin(), fired.doubtful.end(), candidates[i]) != fired.doubtful.end();
-        if (touched.cones[i].is_line || found.states[i] != ConeState::open || is_fired) continue;
+        if (touched.cones[i].is_line || found.states[i] != ConeState::open || is_doubtful(i)) continue;
         if (!parts(i) && !is_still(i)) found.states[i] = ConeState::slides;
     }
     // one that does nothing on the edge of opening or sliding is held with the others, if forces inside all cones are
@@ -226,8 +225,7 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
     bool is_marginal = false;
     for (std::size_t i = 0; i < candidates.size(); ++i) {
         if (touched.cones[i].is_line || found.states[i] == ConeState::held || breaks(candidates[i])) continue;
-        if (std::find(fired.doubtful.begin(), fired.doubtful.end(), candidates[i]) != fired.doubtful.end()) continue;
-        if (!is_still(i) || parts(i)) continue;
+        if (is_doubtful(i) || !is_still(i) || parts(i)) continue;
         marginal.states[i] = ConeState::held;
         is_marginal = true;
     }
