@@ -103,7 +103,7 @@ TEST(RoughWatches, find_roots_and_no_poles_and_say_where_they_end) {
 
 TEST(RoughWatches, that_stop_being_numbers_while_nothing_moves_say_so_too) {
     Scene scene(down);
-    scene.add(Particle{1.0}, Rail(along_x, Coulomb(0.3)), RailStart{.parameter = 0.0, .speed = 0.0});
+    scene.add(Particle{1.0}, Rail(along_x, Coulomb{0.3}), RailStart{.parameter = 0.0, .speed = 0.0});
     scene.watch("w", WatchFunction::called_back(
                          [](const Observe& now) { return now({Quantity::time}) > 0.5 ? nan : 1.0; }, "for the test"));
     const Attempt run = attempt(scene, {.until = 2.0});
