@@ -249,7 +249,10 @@ private:
             if (right.size() == 2) seen[2] = 0.0;
             compare(name, kind, (seen - vector(right)).norm(), scale(name, kind));
         };
-        for (const auto& [name, b] : s["bodies"].items()) {
+        for (const auto& [key_of_body, values] : s["bodies"].items()) {
+            // clang 14 takes no structured binding into a lambda
+            const auto& name = key_of_body;
+            const auto& b = values;
             const BodyMotion m = run_[case_.body.at(name)];
             if (b.contains("com")) vectors(name, Kind::place, m.center_of_mass(t), b["com"]);
             if (b.contains("com_velocity")) vectors(name, Kind::speed, m.center_of_mass_velocity(t), b["com_velocity"]);

@@ -103,7 +103,7 @@ TEST(Singular, two_bars_in_one_line_pinned_at_both_ends_are_refused) {
 
 TEST(Singular, a_bead_held_by_a_rod_across_its_rail_is_refused) {
     Scene scene(down);
-    const auto bead = scene.add(Particle{1.0}, Rail(Line({0, 1, 0})));
+    const auto bead = scene.add(Particle{1.0}, Rail(Line{{0, 1, 0}}));
     scene.constrain(Rod{1.0}, bead, Vector3(1, 0, 0));
     expect_refused(scene, "lose rank");
 }

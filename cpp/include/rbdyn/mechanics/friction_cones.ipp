@@ -371,9 +371,13 @@ RBDYN_INLINE std::vector<double> forces_inside(const std::vector<double>& z0, co
             const std::vector<double> step = solve_any(bend, down, 1e-40);
             double falls = 0.0;
             for (std::size_t i = 0; i <= count; ++i) falls -= step[i] * slope[i];
-            // whether it falls by less than its rounding is not told
-            if (falls < std::max(first ? std::max(1e-13 * weight, 0x1p-52 * std::abs(now)) : 1e-13, known))
+            // whether it falls by less than its rounding is not told; a last step ends what converges
+            if (falls < std::max(first ? std::max(1e-13 * weight, 0x1p-52 * std::abs(now)) : 1e-13, known)) {
+                std::vector<double> next = c;
+                for (std::size_t i = 0; i <= count; ++i) next[i] += step[i];
+                if (!first && barrier(next, first, nullptr, nullptr).first) c = next;
                 return !first;
+            }
             double way = 1.0;
             while (true) {
                 std::vector<double> next = c;

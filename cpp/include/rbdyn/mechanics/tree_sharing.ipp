@@ -321,25 +321,51 @@ RBDYN_INLINE bool TreeModel::hold_by_friction(const Mode& before, Mode& mode, do
         sharing.empty() || directions.empty()
             ? mechanics::forces_inside(force, directions, cones, size)
             : forces_with_joints(mode, t, touched.state, sharing, alive_names, force, directions, cones, size);
-    for (std::size_t i = 0; i < loose.size(); ++i) {
+    // those that are where they were to be, as far as such a choice is known, change as they did: over a short time
+    // what is not known of them would be any rate. Beside the edges of all cones hardly anything is known of which they
+    // are
+    constexpr double known = 1e-6;
+    bool is_foreseen = true, is_beside = false;
+    std::vector<double> whole = force;
+    for (std::size_t l = 0; l < parts.size(); ++l)
+        for (std::size_t i = 0; i < whole.size(); ++i) whole[i] += parts[l] * directions[l][i];
+    for (const mechanics::Cone& cone : cones) {
+        const auto f = static_cast<std::size_t>(cone.first);
+        if (cone.is_line || !std::isfinite(cone.mu)) continue;
+        const double most = cone.mu * whole[f];
+        is_beside = is_beside || most - std::hypot(whole[f + 1], whole[f + 2]) <= known * most;
+    }
+    const auto part_of = [&](std::size_t i) -> const double* {
         const auto found = std::find(alive.begin(), alive.end(), i);
-        mechanics::ContactMemory memory = mechanics::ContactMemory::of(mode.memory, names[i].first);
-        const mechanics::ContactMemory last = mechanics::ContactMemory::of(before.memory, names[i].first);
-        const bool is_one = is_given(mode.slip[at(names[i].first)]),
+        return found == alive.end() || parts.empty() ? nullptr
+                                                     : &parts[static_cast<std::size_t>(found - alive.begin())];
+    };
+    for (std::size_t i = 0; i < loose.size(); ++i) {
+        const auto [contact, axis] = names[i];
+        const mechanics::ContactMemory now = mechanics::ContactMemory::of(mode.memory, contact),
+                                       last = mechanics::ContactMemory::of(before.memory, contact);
+        const double* const part = part_of(i);
+        const double foreseen = last.force[axis] + last.rate[axis] * (t - last.since);
+        is_foreseen = is_foreseen && (part == nullptr || std::abs(now.force[axis] + *part - foreseen) <= known * size);
+    }
+    for (std::size_t i = 0; i < loose.size(); ++i) {
+        const auto [contact, axis] = names[i];
+        mechanics::ContactMemory memory = mechanics::ContactMemory::of(mode.memory, contact);
+        const mechanics::ContactMemory last = mechanics::ContactMemory::of(before.memory, contact);
+        const bool is_one = is_given(mode.slip[at(contact)]), is_alive = std::ranges::binary_search(alive, i),
                    goes_on = same_states(before, mode) && (is_one || last.shares) && t > last.since;
         memory.since = t;
-        memory.rate[names[i].second] = 0.0;
-        if (found == alive.end())
-            memory.force[names[i].second] = 0.0;
+        memory.rate[axis] = 0.0;
+        if (!is_alive)
+            memory.force[axis] = 0.0;
         else if (!is_one)
             memory.shares = true;
-        if (found != alive.end() && !parts.empty())
-            memory.force[names[i].second] += parts[static_cast<std::size_t>(found - alive.begin())];
+        if (const double* const part = part_of(i)) memory.force[axis] += *part;
         // where the loads go on as they did, so do the forces inside the cones: then they end where the cones do
-        if (goes_on && found != alive.end())
-            memory.rate[names[i].second] =
-                (memory.force[names[i].second] - last.force[names[i].second]) / (t - last.since);
-        memory.put(mode.memory, names[i].first);
+        if (goes_on && is_alive)
+            memory.rate[axis] =
+                is_foreseen || is_beside ? last.rate[axis] : (memory.force[axis] - last.force[axis]) / (t - last.since);
+        memory.put(mode.memory, contact);
     }
     if (directions.empty()) return are_in(force);
     if (!parts.empty() || !may_be_on_edges || !are_in(force)) return !parts.empty();
