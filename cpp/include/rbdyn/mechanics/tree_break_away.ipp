@@ -276,7 +276,7 @@ RBDYN_INLINE std::vector<bool> TreeModel::begin_to_slide(const Mode& mode, Touch
         wholes[i] = moves[i] ? rate : Vector3(-force);
         // that of a force on its edge is known to the root of what its rate is short of none
         const double all = std::hypot(b[f + 1], b[f + 2]), left = all > 0.0 ? rate.norm() / all : 0.0;
-        doubt[i] = moves[i] ? 1e-9 + blurred / rate.norm() : 1e-6 + 32.0 * std::sqrt(left);
+        doubt[i] = moves[i] ? 1e-9 + blurred / rate.norm() : 1e-6 + 128.0 * std::sqrt(left);
         one.along = wholes[i].normalized();
     }
     // of contacts of the same bodies that begin along one direction all do so along that of their sum: what each of

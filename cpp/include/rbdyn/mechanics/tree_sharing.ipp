@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -321,38 +322,39 @@ RBDYN_INLINE bool TreeModel::hold_by_friction(const Mode& before, Mode& mode, do
         sharing.empty() || directions.empty()
             ? mechanics::forces_inside(force, directions, cones, size)
             : forces_with_joints(mode, t, touched.state, sharing, alive_names, force, directions, cones, size);
-    // those that are where they were to be, as far as such a choice is known, change as they did: over a short time
-    // what is not known of them would be any rate. Beside the edges of all cones hardly anything is known of which they
-    // are
-    constexpr double known = 1e-6;
-    bool is_foreseen = true, is_beside = false;
+    // the nearer to the edges of all cones, the less is known of which choice is well inside of them: a part of
+    // rounding over the square of how far it is. One that is where it was to be, as far as that is known, changes as it
+    // did: over a short time what is not known would be any rate
     std::vector<double> whole = force;
     for (std::size_t l = 0; l < parts.size(); ++l)
         for (std::size_t i = 0; i < whole.size(); ++i) whole[i] += parts[l] * directions[l][i];
+    double inside = 1.0;
     for (const mechanics::Cone& cone : cones) {
         const auto f = static_cast<std::size_t>(cone.first);
-        if (cone.is_line || !std::isfinite(cone.mu)) continue;
-        const double most = cone.mu * whole[f];
-        is_beside = is_beside || most - std::hypot(whole[f + 1], whole[f + 2]) <= known * most;
+        if (cone.is_line || !(cone.mu > 0.0) || !std::isfinite(cone.mu)) continue;
+        inside = std::min(inside, 1.0 - std::hypot(whole[f + 1], whole[f + 2]) / (cone.mu * whole[f]));
     }
-    const auto part_of = [&](std::size_t i) -> const double* {
-        const auto found = std::find(alive.begin(), alive.end(), i);
-        return found == alive.end() || parts.empty() ? nullptr
-                                                     : &parts[static_cast<std::size_t>(found - alive.begin())];
-    };
-    for (std::size_t i = 0; i < loose.size(); ++i) {
-        const auto [contact, axis] = names[i];
+    const double known = inside > 0.0 ? 0x1p-46 / (inside * inside) : std::numeric_limits<double>::infinity();
+    std::vector<double> apart(force.size(), 0.0);
+    for (std::size_t l = 0; l < parts.size(); ++l) {
+        const auto [contact, axis] = names[alive[l]];
         const mechanics::ContactMemory now = mechanics::ContactMemory::of(mode.memory, contact),
                                        last = mechanics::ContactMemory::of(before.memory, contact);
-        const double* const part = part_of(i);
-        const double foreseen = last.force[axis] + last.rate[axis] * (t - last.since);
-        is_foreseen = is_foreseen && (part == nullptr || std::abs(now.force[axis] + *part - foreseen) <= known * size);
+        const double off = now.force[axis] + parts[l] - last.force[axis] - last.rate[axis] * (t - last.since);
+        for (std::size_t i = 0; i < apart.size(); ++i) apart[i] += off * directions[l][i];
+    }
+    bool is_foreseen = true;
+    for (const mechanics::Cone& cone : cones) {
+        const auto f = static_cast<std::size_t>(cone.first);
+        const double along = cone.is_line ? 0.0 : std::hypot(apart[f + 1], apart[f + 2]);
+        is_foreseen = is_foreseen && std::max(std::abs(apart[f]), along / std::min(cone.mu, 1.0)) <= known * size;
     }
     for (std::size_t i = 0; i < loose.size(); ++i) {
         const auto [contact, axis] = names[i];
         mechanics::ContactMemory memory = mechanics::ContactMemory::of(mode.memory, contact);
         const mechanics::ContactMemory last = mechanics::ContactMemory::of(before.memory, contact);
-        const bool is_one = is_given(mode.slip[at(contact)]), is_alive = std::ranges::binary_search(alive, i),
+        const auto found = std::ranges::find(alive, i);
+        const bool is_one = is_given(mode.slip[at(contact)]), is_alive = found != alive.end(),
                    goes_on = same_states(before, mode) && (is_one || last.shares) && t > last.since;
         memory.since = t;
         memory.rate[axis] = 0.0;
@@ -360,11 +362,11 @@ RBDYN_INLINE bool TreeModel::hold_by_friction(const Mode& before, Mode& mode, do
             memory.force[axis] = 0.0;
         else if (!is_one)
             memory.shares = true;
-        if (const double* const part = part_of(i)) memory.force[axis] += *part;
+        if (is_alive && !parts.empty()) memory.force[axis] += parts[static_cast<std::size_t>(found - alive.begin())];
         // where the loads go on as they did, so do the forces inside the cones: then they end where the cones do
         if (goes_on && is_alive)
             memory.rate[axis] =
-                is_foreseen || is_beside ? last.rate[axis] : (memory.force[axis] - last.force[axis]) / (t - last.since);
+                is_foreseen ? last.rate[axis] : (memory.force[axis] - last.force[axis]) / (t - last.since);
         memory.put(mode.memory, contact);
     }
     if (directions.empty()) return are_in(force);
