@@ -320,8 +320,8 @@ def test_what_is_stable_is_so_in_any_unit_of_length(name, unit):
             assert not state.decided or state.stable == ONE_REST[name][2]
 
 
-@pytest.mark.parametrize("unit", [1e-9, 1.0, 1e9])
-@pytest.mark.parametrize("turned", [0.0, 0.7, 2.0])
+@pytest.mark.parametrize("unit", [1e-9, 1e9])
+@pytest.mark.parametrize("turned", [0.0, 0.7])
 def test_what_runs_away_in_a_valley_rests_nowhere_else(turned, unit):
     # (y - x^2)^2 - x^6 has one rest; the forces there, in exact fractions of what doubles are
     c, s = math.cos(turned), math.sin(turned)

@@ -12,7 +12,7 @@ import rbdyn as rb
 from rails_by_hand import Carriage, Hoop, Turntable, follow, g
 from scipy.integrate import solve_ivp
 
-CARRIAGES = range(10)
+CARRIAGES = range(6)
 
 
 def swinging_hoop(friction, angle=0.8, parameter=1.0, speed=3.0, torque=None):

@@ -59,7 +59,7 @@ def scene_of(seed, coefficients=None):
     return scene, contacts
 
 
-@pytest.mark.parametrize("first", [0, 20, 40])
+@pytest.mark.parametrize("first", [0, 20])
 def test_nothing_goes_through_and_no_energy_is_gained(first):
     t = np.linspace(0, 2, 41)
     for seed in range(first, first + 20):
