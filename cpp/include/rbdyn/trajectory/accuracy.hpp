@@ -145,6 +145,9 @@ private:
     static constexpr std::size_t enough_places = 32;
     // up to this order pieces are interpolations between steps, not series
     static constexpr int interpolated = 7;
+    // an interpolation is known less well between steps, and its error changes sign there, that of the method of order
+    // 8 near thirds of a step: few steps are looked at in so many places in all, and in so many parts of each at most
+    static constexpr std::size_t least_interpolated = 64, most_parts = 8;
 
     const HybridModel& model_;
     double wanted_, widening_;

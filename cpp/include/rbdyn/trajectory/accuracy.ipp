@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <functional>
@@ -250,7 +251,9 @@ RBDYN_INLINE std::vector<std::size_t> AccuracyCheck::quickest(const Record& run)
 RBDYN_INLINE std::vector<double> AccuracyCheck::places(const Record& run) {
     std::vector<double> times;
     const std::size_t pieces = run.entries().size(), every = std::max<std::size_t>(pieces / most_places, 1);
-    const int few = static_cast<int>(least_places / std::max<std::size_t>(pieces, 1));
+    const auto shared_by = [&](std::size_t in_all) { return in_all / std::max<std::size_t>(pieces, 1); };
+    const int few = static_cast<int>(shared_by(least_places)),
+              halved = static_cast<int>(std::bit_floor(std::min(shared_by(least_interpolated), most_parts)));
     const auto add = [&](std::size_t i, int parts) {
         for (int part = 1; part <= parts; ++part) {
             const double fraction = static_cast<double>(part) / parts;
@@ -263,7 +266,8 @@ RBDYN_INLINE std::vector<double> AccuracyCheck::places(const Record& run) {
         if (!is_last && (i + 1) % every != 0) continue;
         // what is interpolated is known less well within a step than at its end
         const bool is_interpolated = run.piece(i).order <= interpolated;
-        add(i, std::max(few, is_last || is_interpolated ? 2 : 1));
+        const int least = is_interpolated ? std::max(halved, 2) : few;
+        add(i, std::max(least, is_last ? 2 : 1));
     }
     if (every == 1) return times;
     // short and quick phases of a long motion, where being late shows most
