@@ -185,7 +185,7 @@ TEST(Beads, no_true_error_exceeds_what_was_asked_or_what_is_told) {
               << ", largest true over asked: " << worst_asked << '\n';
     for (auto& [decade, all] : ratios) {
         std::sort(all.begin(), all.end());
-        const auto at = [&](double part) {
+        const auto at = [&all = all](double part) {
             return all[static_cast<std::size_t>(part * static_cast<double>(all.size() - 1))];
         };
         std::cout << "asked 1e-" << decade << " to 1e-" << decade + 1 << ", " << all.size()

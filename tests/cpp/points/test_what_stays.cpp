@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "rbdyn/event/record.hpp"
+#include "rbdyn/integrate.hpp"
 #include "rbdyn/special/special_model.hpp"
 #include "support.hpp"
 

@@ -135,7 +135,7 @@ TEST_F(Stiff, motion_goes_back_to_series_where_it_is_so_no_longer) {
 TEST_F(Stiff, motion_has_its_events_where_the_series_have_them) {
     auto [scene, until] = creeping();
     scene.watch("near", [](const Now& now) { return now[BodyHandle{0}].position()[0] - 0.7; });
-    const auto times = [&, until = until](const SimulateOptions& options) {
+    const auto times = [&scene = scene, until = until](const SimulateOptions& options) {
         SimulateOptions all = options;
         all.until = until;
         return simulate(scene, all).events().times("near");

@@ -104,7 +104,9 @@ TEST(BodyEquilibria, of_a_pendulum_with_a_torsion_spring_all_are_found_however_f
         Scene scene(down);
         const BodyHandle h = scene.add(bob, across, {});
         scene.apply(TorsionSpring{.stiffness = stiffness * moment, .rest_angle = rest}, h);
-        const auto torque = [&](double psi) { return -stiffness * (psi - rest) - std::sin(psi); };
+        const auto torque = [stiffness = stiffness, rest = rest](double psi) {
+            return -stiffness * (psi - rest) - std::sin(psi);
+        };
         std::vector<double> roots;
         const double reach = 1.0 / stiffness + 0.1;
         constexpr int n = 200000;

@@ -3,6 +3,7 @@
 
 #include <iostream>
 
+#include "refusal.hpp"
 #include "scenes.hpp"
 #include "support.hpp"
 
