@@ -1,5 +1,7 @@
 """What rests where a force |x|^r, r > 0, is zero stays there; what something else moves leaves that place in time."""
 
+import math
+
 import numpy as np
 import pytest
 import rbdyn as rb
@@ -74,3 +76,22 @@ def test_what_is_pulled_leaves_in_time(place, engine):
     known = solve_ivp(lambda t, x: [x[1], 1.0 - abs(x[0]) ** 1.5], (0, 2), [0, 0], "DOP853", rtol=1e-12, atol=1e-13)
     assert run[ball].position(2.0)[0] - place == pytest.approx(known.y[0, -1], abs=1e-6 * 1.5)
     assert run[ball].velocity(2.0)[0] == pytest.approx(known.y[1, -1], abs=1e-6 * 1.5)
+
+
+@pytest.mark.parametrize("engine", ["auto", "dop853", "cvode-adams"])
+@pytest.mark.parametrize("power", [1000, 2000, 4001, 12178])
+def test_high_whole_powers_pass_zero(engine, power):
+    """From the 1025th on they were no products: where the cosine passes zero, and they are nothing to every double,
+    steps came to nothing. The integral of cos^n is that of a bell of width 1/sqrt(n): x(10) by quadrature."""
+    start, times = 2.4115219074059344, 1e3
+
+    def rate(t, x):
+        return [-x[0] + times * np.cos((t - start) * 0.3) ** power]
+
+    run = rb.simulate(rb.System(rate, [0.5]), 10.0, error=1e-7, engine=engine, max_steps=5000)
+    t = np.linspace(0.0, 10.0, 400001)
+    values = np.exp(t - 10.0) * times * np.cos((t - start) * 0.3) ** power
+    exact = 0.5 * math.exp(-10.0) + np.trapezoid(values, t)
+    largest = times * math.sqrt(2.0 * math.pi / power) / 0.3
+    assert run.end == 10.0
+    assert abs(run.x(10.0)[0] - exact) <= 1e-7 * largest

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "random.hpp"
@@ -61,24 +62,56 @@ inline Program random_program(Random& random, int inputs) {
             default: return random.uniform(-2.0, 2.0);
         }
     };
+    // one draw after the other: no compiler has an order of its own for arguments
+    const auto two = [&] {
+        const Expression a = some(), b = some();
+        return std::pair(a, b);
+    };
+    const auto product = [&] {
+        const auto [a, b] = two();
+        return a * b;
+    };
+    const auto weighted = [&](const Expression& value) {
+        const Expression w = weight();
+        return w * value;
+    };
     const int count = random.whole(3, 25);
     for (int i = 0; i < count; ++i) {
         Expression sum = random.chance(0.3) ? Expression(random.uniform(-1.0, 1.0)) : Expression(0.0);
-        for (int term = random.whole(0, 3); term > 0; --term) sum = sum + weight() * some();
-        for (int term = random.whole(0, 6); term > 0; --term) sum = sum + weight() * some() * some();
+        for (int term = random.whole(0, 3); term > 0; --term) sum = sum + weighted(some());
+        for (int term = random.whole(0, 6); term > 0; --term) sum = sum + weighted(product());
         known.push_back(sum);
         switch (random.whole(0, 11)) {
-            case 0: known.push_back(some() / (2.0 + some() * some() * 0.01)); break;
-            case 1: known.push_back(sin(some()) * cos(some())); break;
-            case 2: known.push_back(length({some(), some(), some()})); break;
-            case 3: known.push_back(pow(some() * some() + 1.0, random.uniform(-1.0, 2.0))); break;
+            case 0: {
+                const Expression over = 2.0 + product() * 0.01;
+                known.push_back(some() / over);
+                break;
+            }
+            case 1: {
+                const auto [a, b] = two();
+                known.push_back(sin(a) * cos(b));
+                break;
+            }
+            case 2: {
+                const auto [a, b] = two();
+                known.push_back(length({a, b, some()}));
+                break;
+            }
+            case 3: {
+                const Expression base = product() + 1.0;
+                known.push_back(pow(base, random.uniform(-1.0, 2.0)));
+                break;
+            }
             case 4: known.push_back(exp(0.1 * sin(some()))); break;
-            case 5: known.push_back(sqrt(some() * some() + 1.0)); break;
+            case 5: known.push_back(sqrt(product() + 1.0)); break;
             default: break;
         }
     }
     std::vector<Expression> outputs;
-    for (int i = 0; i < inputs; ++i) outputs.push_back(i % 2 == 0 ? known.back() * (1.0 / (i + 1)) + some() : some());
+    for (int i = 0; i < inputs; ++i) {
+        const Expression value = some();
+        outputs.push_back(i % 2 == 0 ? known.back() * (1.0 / (i + 1)) + value : value);
+    }
     for (int i = random.whole(0, 3); i > 0; --i) outputs.push_back(some());
     return Program(r, outputs, inputs);
 }

@@ -38,8 +38,7 @@ Expression log(const Expression& x);
 Expression expm1(const Expression& x);
 Expression log1p(const Expression& x);
 
-/// x^n for a constant n; small whole powers become products, which have a series at zero: as many as equilibria look
-/// for.
+/// x^n for a constant n; whole powers to 65536 become products, which have a series at zero.
 Expression pow(const Expression& x, double n);
 /// For an exponent that varies x is positive, and 0^0 is 1.
 Expression pow(const Expression& x, const Expression& n);

@@ -77,7 +77,7 @@ RBDYN_INLINE Expression pow(const Expression& x, double n) {
     if (n == 0.0) return 1.0;
     if (n == 0.5) return sqrt(x);
     // by products, which have series at zero too
-    constexpr double most = 1024.0;
+    constexpr double most = 65536.0;
     if (n == std::floor(n) && std::abs(n) <= most) {
         Expression result = 1.0, base = x;
         for (int k = static_cast<int>(std::abs(n)); k > 0; k /= 2) {

@@ -261,15 +261,6 @@ RBDYN_INLINE void TreeModel::curve(const Mode& before, Mode& mode, double t, std
         slips.find(bent, t, x);
     };
     find();
-    // what a second coefficient of each does to the others
-    const auto still = slips.across;
-    mechanics::Square by(count, std::vector<double>(count));
-    for (std::size_t j = 0; j < count; ++j) {
-        memories[j].angle[0] = 1.0;
-        find();
-        memories[j].angle[0] = 0.0;
-        for (std::size_t i = 0; i < count; ++i) by[i][j] = slips.across[i][2] - still[i][2];
-    }
     // what friction the other way round does to a slip is of the size of what it does across where that is free
     double largest = 0.0;
     for (std::size_t j = 0; j < count; ++j) {
@@ -279,10 +270,26 @@ RBDYN_INLINE void TreeModel::curve(const Mode& before, Mode& mode, double t, std
         memories[j].axis = axis;
         largest = std::max(largest, 0.25 * std::abs(slips.along[j][1]));
     }
-    find();
     const double nothing = 1e-7 * largest;
-    const breaking_away::Ties ties(by, nothing);
-    for (std::size_t m = 1; m <= terms + 2; ++m)
+    // what a second coefficient of each does to the others; what do nothing together is known as well as the axes are
+    mechanics::Square by(count, std::vector<double>(count));
+    const auto tied = [&] {
+        for (std::size_t i = 0; i < count; ++i) memories[i].angle[0] = 0.0;
+        find();
+        const auto still = slips.across;
+        for (std::size_t j = 0; j < count; ++j) {
+            memories[j].angle[0] = 1.0;
+            find();
+            memories[j].angle[0] = 0.0;
+            for (std::size_t i = 0; i < count; ++i) by[i][j] = slips.across[i][2] - still[i][2];
+        }
+        find();
+        return breaking_away::Ties(by, nothing);
+    };
+    breaking_away::Ties ties = tied();
+    // how far the axes have been turned
+    const auto answer = [&](std::size_t m) {
+        double most = 0.0;
         // what is asked for first is rounded, then what is left is taken away
         for (int pass = 0; pass < 3; ++pass) {
             std::vector<double> against, grows;
@@ -294,9 +301,18 @@ RBDYN_INLINE void TreeModel::curve(const Mode& before, Mode& mode, double t, std
             for (std::size_t i = 0; i < count; ++i) {
                 if (m <= terms + 1) turn(i, m - 1, own[i]);
                 if (m > 1) turn(i, m - 2, before_it[i]);
+                if (m == 2) most = std::max(most, std::abs(before_it[i]));
             }
             find();
         }
+        return most;
+    };
+    for (int rounds = 4;;) {
+        answer(1);
+        if (answer(2) <= 16.0 * epsilon || --rounds == 0) break;
+        ties = tied();
+    }
+    for (std::size_t m = 3; m <= terms + 2; ++m) answer(m);
     // as long as the terms left out are nothing beside the slip, and it is drawn to its direction fast enough
     double until = std::numeric_limits<double>::infinity(), turned = 0.0;
     for (std::size_t i = 0; i < count; ++i) {
