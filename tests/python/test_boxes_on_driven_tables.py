@@ -12,7 +12,11 @@ TURNED = [
     np.array([[0.6, -0.8, 0], [0.8, 0.6, 0], [0, 0, 1]]),
     np.array([[2, -2, 1], [1, 2, 2], [-2, -1, 2]]).T / 3,
 ]
-FEET = {3: [(-1, -1), (1, -1), (0, 1)], 4: [(-1, -1), (-1, 1), (1, -1), (1, 1)]}
+FEET = {
+    3: [(-1, -1), (1, -1), (0, 1)],
+    4: [(-1, -1), (-1, 1), (1, -1), (1, 1)],
+    5: [(np.cos(a), np.sin(a)) for a in 0.3 + 2 * np.pi * np.arange(5) / 5],
+}
 
 
 def by_hand(mu, w, amplitude, periods):
@@ -67,7 +71,7 @@ def on_a_table(mu, w, amplitude, axes, feet):
     return scene, box, along
 
 
-@pytest.mark.parametrize("feet", [3, 4])
+@pytest.mark.parametrize("feet", [3, 4, 5])
 @pytest.mark.parametrize("turned", range(3))
 @pytest.mark.parametrize(
     ("mu", "w", "ratio"), [(0.5, 5.0, 8.0), (0.5, 2.0, 1.5), (0.5, 5.0, 1.5), (0.001, 2.0, 3.0), (0.25, 3.0, 2.0)]

@@ -35,8 +35,8 @@ RBDYN_INLINE void MemoryWatch::look(std::int64_t steps, const Record& record, do
     bytes_ = bytes;
     events_ = events;
     t_ = t;
-    // what is little may be a short phase of short steps, and the last piece alone is larger or smaller as it happens
-    constexpr double trifle = 1e7;
+    // the last piece alone is larger or smaller as it happens
+    constexpr double trifle = 1e5;
     const bool grows = is_known && bytes > trifle && grown > steadily * bytes;
     const std::optional<double> available = grows && needed > little ? available_memory() : std::nullopt;
     const bool is_much = available && needed > share * (*available + bytes);

@@ -185,6 +185,23 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
         mode.impossible = no_forces("forces", candidates);
         return;
     }
+    // what bears nothing, where others of the same bodies begin to slide without an acceleration, begins with them:
+    // their forces are one choice of many
+    const auto begins_beside = [&](std::size_t i) {
+        const mechanics::ContactLaw& c = conditions_->contacts()[at(candidates[i])];
+        for (std::size_t j = 0; j < candidates.size(); ++j) {
+            const mechanics::ContactLaw& other = conditions_->contacts()[at(candidates[j])];
+            if (!touched.cones[j].is_line && found.states[j] == ConeState::slides && is_still(j) && !idles(j) &&
+                other.a.body == c.a.body && other.b.body == c.b.body)
+                return true;
+        }
+        return false;
+    };
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+        if (touched.cones[i].is_line || !idles(i) || is_doubtful(i) || !begins_beside(i)) continue;
+        found.states[i] = ConeState::slides;
+        if (!breaks(candidates[i])) breaking.push_back(candidates[i]);
+    }
     // what is on its edge when others begin to slide without an acceleration begins with them
     const std::size_t known = breaking.size();
     for (std::size_t i = 0; i < candidates.size(); ++i) {
@@ -261,7 +278,10 @@ RBDYN_INLINE std::vector<bool> TreeModel::begin_to_slide(const Mode& mode, Touch
     // by what it does, or against the force that held it where it begins without an acceleration
     std::vector<Vector3> wholes(touched.all.size(), Vector3(Vector3::Zero()));
     std::vector<bool> moves(touched.all.size(), false);
+    std::vector<bool> bears = moves;
     std::vector<double> doubt(touched.all.size(), 0.0);  // of its direction
+    double largest = 0.0;
+    for (const double one : found.force) largest = std::max(largest, std::abs(one));
     for (std::size_t i = 0; i < touched.all.size(); ++i) {
         Touched::One& one = touched.all[i];
         const auto f = static_cast<std::size_t>(touched.cones[i].first);
@@ -274,6 +294,7 @@ RBDYN_INLINE std::vector<bool> TreeModel::begin_to_slide(const Mode& mode, Touch
         const double blurred = noise[f + 1] + noise[f + 2];
         moves[i] = rate.norm() > 1e3 * blurred;
         wholes[i] = moves[i] ? rate : Vector3(-force);
+        bears[i] = moves[i] || force.norm() > 1e-13 * largest;
         // that of a force on its edge is known to the root of what its rate is short of none
         const double all = std::hypot(b[f + 1], b[f + 2]), left = all > 0.0 ? rate.norm() / all : 0.0;
         doubt[i] = moves[i] ? 1e-9 + blurred / rate.norm() : 1e-6 + 128.0 * std::sqrt(left);
@@ -286,16 +307,24 @@ RBDYN_INLINE std::vector<bool> TreeModel::begin_to_slide(const Mode& mode, Touch
         if (!begins[i]) continue;
         const mechanics::ContactLaw& c = conditions_->contacts()[at(touched.all[i].contact)];
         Vector3 sum = Vector3::Zero();
-        bool is_one = true;
+        std::vector<std::size_t> group;
         for (std::size_t j = 0; j < touched.all.size(); ++j) {
             const mechanics::ContactLaw& other = conditions_->contacts()[at(touched.all[j].contact)];
-            if (!begins[j] || other.a.body != c.a.body || other.b.body != c.b.body) continue;
-            is_one = is_one && moves[i] == moves[j] &&
-                     (touched.all[i].at.normal - touched.all[j].at.normal).norm() <= 1e-14 &&
-                     (touched.all[i].along - touched.all[j].along).norm() <= doubt[i] + doubt[j];
+            if (!begins[j] || !bears[j] || other.a.body != c.a.body || other.b.body != c.b.body) continue;
+            group.push_back(j);
             sum += wholes[j];
         }
+        const auto is_along = [&](std::size_t j, std::size_t k) {
+            return moves[j] == moves[k] && (touched.all[j].at.normal - touched.all[k].at.normal).norm() <= 1e-14 &&
+                   (touched.all[j].along - touched.all[k].along).norm() <= doubt[j] + doubt[k];
+        };
+        // what bears nothing has no direction of its own: it has theirs, if that is one
+        const bool is_one = std::ranges::all_of(group, [&](std::size_t j) {
+            return bears[i] ? is_along(i, j)
+                            : std::ranges::all_of(group, [&](std::size_t k) { return is_along(j, k); });
+        });
         common[i] = is_one ? Vector3(sum.normalized()) : touched.all[i].along;
+        begins[i] = bears[i] || is_one;
     }
     for (std::size_t i = 0; i < touched.all.size(); ++i) {
         if (!begins[i]) continue;
