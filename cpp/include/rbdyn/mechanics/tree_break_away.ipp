@@ -324,7 +324,7 @@ RBDYN_INLINE std::vector<bool> TreeModel::begin_to_slide(const Mode& mode, Touch
                             : std::ranges::all_of(group, [&](std::size_t k) { return is_along(j, k); });
         });
         common[i] = is_one ? Vector3(sum.normalized()) : touched.all[i].along;
-        begins[i] = bears[i] || is_one;
+        begins[i] = bears[i] || (is_one && !group.empty());
     }
     for (std::size_t i = 0; i < touched.all.size(); ++i) {
         if (!begins[i]) continue;
