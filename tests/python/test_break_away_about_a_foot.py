@@ -29,8 +29,8 @@ class Box:
         # N of three feet, by the weight alone
         normal = np.linalg.solve(np.vstack([np.ones(3), self.feet.T]), [self.mass * GRAVITY, 0.0, 0.0])
         assert normal.min() > 0.0
-        self.first = np.array([-(self.feet[:, 1] - centre[1]), self.feet[:, 0] - centre[0]]).T
-        pull = mu * normal[:, None] * self.first / np.linalg.norm(self.first, axis=1)[:, None]
+        slip = np.array([-(self.feet[:, 1] - centre[1]), self.feet[:, 0] - centre[0]]).T
+        pull = mu * normal[:, None] * slip / np.linalg.norm(slip, axis=1)[:, None]
         self.force = pull.sum(axis=0)
         moment = np.sum(self.feet[:, 0] * pull[:, 1] - self.feet[:, 1] * pull[:, 0])
         self.at = np.array([-self.force[1], self.force[0]]) * -moment / (self.force @ self.force)
