@@ -143,8 +143,30 @@ RBDYN_INLINE std::vector<double> TreeModel::pivots_of(const Mode& mode, double t
     return pivots;
 }
 
+namespace tree_rows {
+
+/// What touches rolls: how far its centre goes is measured by how far it turns, too, over its radius of gyration.
+inline void measure_by_turns(const mechanics::Tree& tree, std::vector<VariableGroup>& groups) {
+    for (const mechanics::Node& n : tree.nodes()) {
+        if (n.joint.as<mechanics::FreeBodyLaw>() == nullptr) continue;
+        const auto& inertia = n.body.inertia;
+        const double gyration =
+            std::sqrt(static_cast<double>((inertia(0, 0) + inertia(1, 1) + inertia(2, 2)) / n.mass));
+        for (VariableGroup& g : groups) {
+            const bool is_attitude = g.first == n.q + n.joint.attitude(),
+                       is_turning = g.first == tree.positions() + n.v + n.joint.attitude();
+            if (!(gyration > 0.0) || !(is_attitude || is_turning)) continue;
+            g.alike = is_attitude ? Alike::place : Alike::velocity;
+            g.measure = gyration;
+        }
+    }
+}
+
+}  // namespace tree_rows
+
 RBDYN_INLINE std::vector<VariableGroup> TreeModel::groups_in(const mechanics::Tree& tree, bool is_constrained) const {
     std::vector<VariableGroup> groups = tree.groups(is_constrained);
+    if (contacts() > 0) tree_rows::measure_by_turns(tree, groups);
     const auto none = std::find(held_.begin(), held_.end(), true) - held_.begin();
     if (none >= tree.velocities() || !(size_ > 0.0)) return groups;
     // what has no motion is as large as the rest, by that by which MotionScales lets others be smaller
