@@ -6,7 +6,8 @@ BUILD: a build of the library as mutate.py writes it, with its C++ tests. Each t
 meets and how long it takes (kept in BUILD/met.json as long as the programs are the same); each mutant is then run
 against the tests that meet it, the quick ones first. Times are those of the processor: other work on the machine makes
 no test too long. --module: a folder with the Python module of that build; what no C++ test catches is run against the
-Python tests too. The exit code is 1 if fewer than PERCENT (95) are caught.
+files of Python tests that meet it, each of which is run once alone as well (BUILD/met_in_python.json). The exit code is
+1 if fewer than PERCENT (95) are caught.
 """
 
 import argparse
@@ -59,7 +60,7 @@ def run(command: list[str], mutant: int, limit: float, **more: str) -> Outcome:
 
 @dataclass
 class Test:
-    """One test of a C++ program, as it is without a mutant."""
+    """One test of a C++ program, or a file of Python tests, as it is without a mutant."""
 
     program: Path
     name: str
@@ -142,11 +143,45 @@ def is_confirmed(program: Path, names: list[str], why: str, mutant: Mutant, limi
     return run(command(program, again), 0, limit).good and not run(command(program, again), mutant.number, limit).good
 
 
-def catch_in_python(mutant: Mutant, module: Path) -> str:
-    left_out = [f"--ignore=tests/python/{name}" for name in PYTHON_LEFT_OUT]
-    pytest = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *left_out]
-    outcome = run(["env", "-C", str(ROOT), *pytest], mutant.number, 3600.0, PYTHONPATH=str(module))
-    return "" if outcome.good else f"Python: {outcome.why}"
+class PythonFiles:
+    """The files of Python tests, with a module."""
+
+    def __init__(self, module: Path, kept: Path):
+        self.module = module
+        self.tests = self.looked_at(kept)
+
+    def run(self, file: Path, mutant: int, limit: float, **more: str) -> Outcome:
+        pytest = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", str(file)]
+        return run(["env", "-C", str(ROOT), *pytest], mutant, limit, PYTHONPATH=str(self.module), **more)
+
+    def looked_at(self, kept: Path) -> list[Test]:
+        """All of them as they are without a mutant."""
+        (core,) = (self.module / "rbdyn").glob("_core*.so")
+        known = json.loads(kept.read_text()) if kept.exists() else {}
+        now, tests = {}, []
+        for path in sorted((ROOT / "tests" / "python").glob("test_*.py")):
+            if path.name in PYTHON_LEFT_OUT:
+                continue
+            digest = hashlib.sha256(core.read_bytes() + path.read_bytes()).hexdigest()
+            if known.get(path.name, {}).get("digest") != digest:
+                with tempfile.NamedTemporaryFile("r") as file:
+                    outcome = self.run(path, 0, 3600.0, RBDYN_MUTANTS_MET=file.name)
+                    if not outcome.good:
+                        raise SystemExit(f"{path.name} fails without a mutant: {outcome.why}")
+                    met = sorted({int(line) for line in file})
+                known[path.name] = {"digest": digest, "seconds": outcome.seconds, "met": met}
+                kept.write_text(json.dumps(known))
+            now[path.name] = known[path.name]
+            tests.append(Test(path, path.name, now[path.name]["seconds"], set(now[path.name]["met"])))
+        kept.write_text(json.dumps(now))
+        return tests
+
+    def catch(self, mutant: Mutant) -> str:
+        for test in sorted((t for t in self.tests if mutant.number in t.met), key=lambda t: t.seconds):
+            outcome = self.run(test.program, mutant.number, 60.0 + 6.0 * test.seconds)
+            if not outcome.good:
+                return f"{test.name}: {outcome.why}"
+        return ""
 
 
 def main() -> int:
@@ -162,12 +197,16 @@ def main() -> int:
     chosen = [m for m in mutants() if not wanted or m.number in wanted]
     tests = tests_of(asked.build, asked.which, asked.jobs)
     print(f"{len(tests)} tests pass without a mutant in {sum(t.seconds for t in tests):.0f} s", flush=True)
+    files = PythonFiles(asked.module, asked.build / "met_in_python.json") if asked.module is not None else None
+    if files is not None:
+        seconds = sum(t.seconds for t in files.tests)
+        print(f"{len(files.tests)} files of Python tests pass without a mutant in {seconds:.0f} s", flush=True)
 
     def judge(mutant: Mutant) -> bool:
         by = catch(mutant, tests)
-        if not by and asked.module is not None:
-            by = catch_in_python(mutant, asked.module)
-        is_met = any(mutant.number in test.met for test in tests)
+        if not by and files is not None:
+            by = files.catch(mutant)
+        is_met = any(mutant.number in test.met for test in [*tests, *(files.tests if files is not None else [])])
         verdict = f"caught   {by}" if by else "SURVIVED" if is_met else "SURVIVED, no test meets it"
         print(f"{mutant.number:4} {mutant.subject:12} {mutant.name:85} {verdict}", flush=True)
         return bool(by)

@@ -25,7 +25,8 @@ ALLOWED = {"rolling disc": 1e-9}
 @pytest.mark.parametrize("name", long_runs.MOTIONS)
 def test_phases_and_first_integrals_stay(name):
     found = long_runs.measured(name, PERIODS)
-    assert found["periods"] == PERIODS and found["steps"] > 2 * PERIODS
+    # more are taken where rounding says how long they are: of the disc, whose centre has no motion but that
+    assert found["periods"] == PERIODS and 2 * PERIODS < found["steps"] < 100 * PERIODS
     if found["phase"] is not None:
         assert abs(found["phase"]) < ALLOWED.get(name, 1e-15 * PERIODS**1.5), found
     # energy of the linkage, the double pendulum and the spring is not held, but lost by roundings

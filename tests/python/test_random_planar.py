@@ -42,6 +42,8 @@ def test_nothing_goes_through_and_no_energy_is_gained(rough):
             ended.append(seed)
         if run.end == 0.0:
             continue
+        # bounces without loss that are no higher than a rounding of places are none: there were millions of them
+        assert len(run.events) < 5000, seed
         t = np.linspace(0, run.end, 61)
         energy = run.energy(t)
         assert np.diff(energy).max() < 1e-11 * abs(energy).max(), seed
