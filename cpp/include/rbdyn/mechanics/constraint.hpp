@@ -70,7 +70,7 @@ public:
 
     const std::vector<Condition>& all() const { return conditions_; }
     /// What touches: of each one row, its gap, behind those of the constraints; behind them of each three, the velocity
-    /// of what is held by friction along the world's axes.
+    /// of what is held by friction, along three axes (Touching::held_axis).
     const std::vector<ContactLaw>& contacts() const { return contacts_; }
     int rows() const { return joint_row(static_cast<int>(joints_.size())); }
     /// Behind all others one of each joint that friction may hold, which has no gap.
@@ -156,7 +156,7 @@ public:
         for (const Touching<S>& t : touching) rows.push_back(t.row(t.normal, t.normal_rate));
         if (is_rough_)
             for (const Touching<S>& t : touching)
-                for (int axis = 0; axis < 3; ++axis) rows.push_back(t.row(axis));
+                for (int axis = 0; axis < 3; ++axis) rows.push_back(t.held_row(axis));
         for (const Resistance& r : resistances_)
             for (int k = 0; k < 2; ++k) {
                 const Touching<S>& t = touching[static_cast<std::size_t>(r.contact)];

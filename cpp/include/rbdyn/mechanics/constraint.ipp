@@ -86,6 +86,14 @@ inline ContactLaw law_of(const Scene::Touch& touch, const Tree& tree) {
     return c;
 }
 
+/// Whether its plane starts across no axis of the world.
+inline bool leans(const ContactLaw& c, const std::vector<Moving<DoubleDouble>>& start) {
+    if (c.surface != ContactLaw::Surface::plane) return false;
+    Moving<DoubleDouble> on;
+    if (c.b.body >= 0) on = start[static_cast<std::size_t>(c.b.body)];
+    return rounded(on.to_world(c.normal)).cwiseAbs().maxCoeff() < 1.0 - 0x1p-50;
+}
+
 }  // namespace contacts
 
 RBDYN_INLINE Conditions::Conditions(const Scene& scene, const Tree& tree,
@@ -156,6 +164,7 @@ RBDYN_INLINE Conditions::Conditions(const Scene& scene, const Tree& tree,
     }
     for (const Scene::Touch& touch : scene.contacts()) {
         contacts_.push_back(contacts::law_of(touch, tree));
+        contacts_.back().is_along_plane = contacts::leans(contacts_.back(), start);
         is_rough_ = is_rough_ || contacts_.back().is_rough();
         const int contact = static_cast<int>(contacts_.size()) - 1;
         if (!contacts_.back().rolling.is_zero()) resistances_.push_back({contact, false});

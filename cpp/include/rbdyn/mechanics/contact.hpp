@@ -45,7 +45,8 @@ struct Touching {
     Vector3Of<S> turning, turn_bias;             // the angular velocity of a relative to b, and the same of its rate
     Vector3Of<S> tangents[2], tangent_rates[2];  // of a plane: two directions along it that turn with it
     S gap = S(0.0);
-    S flat = S(1.0);  // of a disc that touches with its rim: the sine squared of its tilt
+    S flat = S(1.0);              // of a disc that touches with its rim: the sine squared of its tilt
+    bool is_along_plane = false;  // the axes of what is held
 
     /// The condition on accelerations along a direction that turns at a rate.
     Row<S> row(const Vector3Of<S>& along, const Vector3Of<S>& along_rate) const {
@@ -54,11 +55,17 @@ struct Touching {
         r.on_b = on_b(along);
         return r;
     }
-    /// Along an axis of the world.
-    Row<S> row(int axis) const {
+    /// An axis that what is held is told along: of the world, or two along the plane and its normal.
+    Vector3Of<S> held_axis(int k) const {
+        if (is_along_plane) return k < 2 ? tangents[k] : normal;
         Vector3Of<S> e = none<S>();
-        e[axis] = S(1.0);
-        return row(e, none<S>());
+        e[k] = S(1.0);
+        return e;
+    }
+    /// The condition on accelerations along it.
+    Row<S> held_row(int k) const {
+        if (!is_along_plane) return row(held_axis(k), none<S>());
+        return row(held_axis(k), k < 2 ? tangent_rates[k] : normal_rate);
     }
     /// The condition on angular accelerations about a direction that turns at a rate.
     Row<S> turning_row(const Vector3Of<S>& about, const Vector3Of<S>& about_rate) const {
@@ -124,6 +131,10 @@ struct ContactLaw {
     Given mu_static, mu_dynamic;
     Given rolling, pivoting;                   // torques over N that resist turning along the surface and about n [m]
     Vector3Of<DoubleDouble> tangents[2] = {};  // of a plane: two directions along it, axes of b
+    // what is held there is told along these and the normal: friction far smaller than the load, which another axis
+    // would mix with it, is then known by digits of its own. Planes that start across an axis of the world have its
+    // axes
+    bool is_along_plane = false;
 
     bool is_rough() const { return !mu_static.is_zero(); }
     /// Friction without bound, where what sticks would have to be pulled: it slides as with ever larger coefficients,
@@ -150,6 +161,7 @@ struct ContactLaw {
         Touching<S> result;
         result.a = a.body;
         result.b = b.body;
+        result.is_along_plane = is_along_plane;
         Moving<S> on;
         if (b.body >= 0) on = all[static_cast<std::size_t>(b.body)];
         const Moving<S>& of = all[static_cast<std::size_t>(a.body)];

@@ -18,6 +18,13 @@
 
 namespace rbdyn::inline RBDYN_FORM {
 
+namespace break_away {
+
+/// Of the largest coefficient of friction.
+inline constexpr double far_less = 1e-3;
+
+}  // namespace break_away
+
 RBDYN_INLINE bool TreeModel::is_at_end(const Mode& before, int contact, double t, std::span<const double> x) const {
     const auto touching = conditions_->contacts()[at(contact)].touching<double>(*tree_, moving(before, t, x));
     const double left = touching.slip().norm();
@@ -409,14 +416,29 @@ RBDYN_INLINE bool TreeModel::take(const Mode& before, Mode& mode, double t, Touc
         memory.put(mode.memory, k);
         mode.slip[at(k)] = begins ? mechanics::contact_state::starts : straight;
     }
-    const std::size_t first = rows.size();
+    // what of it the motion does not determine are numbers of the mode: those of feet with far less friction than
+    // others have, whose cones leave no room for what changes beside a straight line
+    std::vector<int> chosen, of_little;
+    std::size_t first = rows.size();
+    double most = 0.0;
+    const auto holds = [&](std::size_t i) {
+        return !touched.cones[i].is_line && found.states[i] == ConeState::held && !breaks(candidates[i]);
+    };
+    for (std::size_t i = 0; i < candidates.size(); ++i)
+        if (holds(i)) most = std::max(most, touched.cones[i].mu);
     for (std::size_t i = 0; i < candidates.size(); ++i) {
+        if (!holds(i)) continue;
         const int k = candidates[i];
-        if (touched.cones[i].is_line || found.states[i] != ConeState::held || breaks(k)) continue;
-        for (int axis = 0; axis < 3; ++axis) rows.push_back(conditions_->held_row(k, axis));
+        const bool has_little = touched.cones[i].mu < break_away::far_less * most;
+        for (int axis = 0; axis < 3; ++axis) (has_little ? of_little : rows).push_back(conditions_->held_row(k, axis));
         mode.slip[at(k)] = held;
     }
-    const auto chosen = mechanics::independent_rows(*tree_, *conditions_, rows, all, first);
+    chosen = mechanics::independent_rows(*tree_, *conditions_, rows, all, first);
+    if (!of_little.empty()) {
+        first = chosen.size();
+        std::ranges::copy(of_little, std::back_inserter(chosen));
+        chosen = mechanics::independent_rows(*tree_, *conditions_, chosen, all, first);
+    }
     const auto is_chosen = [&](int row) { return std::binary_search(chosen.begin(), chosen.end(), row); };
     for (std::size_t i = 0; i < candidates.size(); ++i) {
         const int k = candidates[i];

@@ -223,7 +223,7 @@ RBDYN_INLINE bool TreeModel::hold_by_friction(const Mode& before, Mode& mode, do
             cones.back().is_line = cones.back().is_line || (!is_held(state) && !stays);
         }
     const auto are_in = [&](const std::vector<double>& z) { return mechanics::are_inside(z, cones); };
-    // forces along the axes of the world, from those that solve the problem: some along axes without rows are loose
+    // forces along the axes that are held, from those that solve the problem: some along axes without rows are loose
     std::vector<mechanics::Row<double>> rows, acting, loose_rows;
     struct Place {
         std::size_t one;
@@ -261,12 +261,11 @@ RBDYN_INLINE bool TreeModel::hold_by_friction(const Mode& before, Mode& mode, do
         for (int j = 0; j < 3; ++j) whole += one.axes[j] * force[f + at(j)];
         size = std::max(size, whole.norm());
         mechanics::ContactMemory memory = mechanics::ContactMemory::of(mode.memory, one.contact);
-        memory.force = whole;
         memory.shares = false;
         for (int axis = 0; axis < 3; ++axis) {
             const auto& row = every[at(conditions_->held_row(one.contact, axis))];
-            Vector3 e = Vector3::Zero();
-            e[axis] = 1.0;
+            const Vector3 e = one.at.held_axis(axis);
+            memory.force[axis] = whole.dot(e);
             if (is_row(state, axis)) {
                 rows.push_back(row);
                 acting.push_back(row);

@@ -113,9 +113,10 @@ RBDYN_INLINE Vector3Of<Expression> TreeWriter::twisting(std::size_t k) const {
 
 RBDYN_INLINE Vector3Of<Expression> TreeWriter::shared(std::size_t k) const {
     if (contact_state::is_given(states_[k])) return pushing(k) * friction_[k].force[0];
-    Vector3Of<S> force = friction_[k].force;
+    Vector3Of<S> force = none<S>();
     for (int axis = 0; axis < 3; ++axis)
-        if (contact_state::is_row(states_[k], axis)) force[axis] = S(0.0);
+        if (!contact_state::is_row(states_[k], axis))
+            force += Vector3Of<S>(touching_[k].held_axis(axis) * friction_[k].force[axis]);
     return force;
 }
 
@@ -203,10 +204,11 @@ RBDYN_INLINE std::vector<Expression> TreeWriter::laws() {
             const Touching<S>& t = touching_[k];
             const int row = rows_[order[j]];
             Row<S> push = row == conditions_.normal_row(contact[j - first]) ? t.row(pushing(k), none<S>())
-                                                                            : t.row((row - held_from) % 3);
+                                                                            : t.held_row((row - held_from) % 3);
             // of a unit of its force, what of it is normal
-            const S normal =
-                row == conditions_.normal_row(contact[j - first]) ? S(1.0) : t.normal[(row - held_from) % 3];
+            const S normal = row == conditions_.normal_row(contact[j - first])
+                                 ? S(1.0)
+                                 : dot<S>(t.normal, t.held_axis((row - held_from) % 3));
             if (const Vector3Of<S> torque = twisting(k); !is_nothing(Wrench<S>{none<S>(), torque}))
                 t.add_torque(push, Vector3Of<S>(torque * normal));
             pushes[j] = tree.response(push);
@@ -275,7 +277,8 @@ RBDYN_INLINE std::vector<Expression> TreeWriter::laws() {
         const int contact = static_cast<int>(k);
         for (std::size_t r = 0; r < rows_.size(); ++r) {
             for (int axis = 0; axis < 3; ++axis)
-                if (rows_[r] == conditions_.held_row(contact, axis)) force[axis] = multipliers[r];
+                if (rows_[r] == conditions_.held_row(contact, axis))
+                    force += Vector3Of<S>(touching_[k].held_axis(axis) * multipliers[r]);
             if (rows_[r] == conditions_.normal_row(contact))
                 force = (contact_state::slides(states_[k]) ? pushing(k) : touching_[k].normal) * multipliers[r];
         }
