@@ -94,7 +94,7 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
     const Mode undecided = mode;
     mechanics::ConeForces found;
     // what comes to its edge goes past it, and so does what shares its load with a joint that does
-    const bool on_edges =
+    const bool may_be_on_edges =
         fired.breaking.empty() && (joints_.empty() || (fired.rubbed_breaking.empty() && fired.doubtful.empty()));
     // forces shared anew at this very instant that are at an edge again: no time is left in which some inside go on
     bool is_over = false;
@@ -103,6 +103,9 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
         if (const auto memory = mechanics::ContactMemory::of(before.memory, k);
             is_held(before.slip[at(k)]) && memory.shares)
             is_over = is_over || t - memory.since <= 16.0 * epsilon * std::abs(t);
+    // what sticks without bound goes past its edge where it presses no more
+    const bool is_endless = std::ranges::any_of(fired.doubtful, [&](int k) { return sticks_without_bound(before, k); });
+    const bool on_edges = may_be_on_edges && !(is_endless && shares_load(before));
     // first, whether all that is at rest can be held
     if (breaking.empty() && !is_over && (fired.doubtful.empty() || shares_load(before))) {
         found = mechanics::held_by(touched.matrix, b, noise, touched.cones);
@@ -112,6 +115,7 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
         }
         mode = undecided;
     }
+    if (is_endless && shares_load(before) && let_go(before, mode, t, x, candidates, fired, breaking)) return;
     if (stopping.size() > at_rest.size()) see(at_rest);
     const auto is_still = [&](std::size_t i) {
         const auto f = static_cast<std::size_t>(touched.cones[i].first);
@@ -274,6 +278,36 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
         if (breaking.size() > more) return settle_breaking(before, mode, t, x, candidates, fired, breaking);
     }
     if (mode.impossible.empty()) choose(mode, t, x, {}, true);
+}
+
+RBDYN_INLINE bool TreeModel::sticks_without_bound(const Mode& mode, int contact) const {
+    return conditions_->contacts()[at(contact)].never_slips() &&
+           mechanics::contact_state::is_held(mode.slip[at(contact)]);
+}
+
+/// What sticks without bound and presses no more is let go, unless it would move into its surface then.
+RBDYN_INLINE bool TreeModel::let_go(const Mode& before, Mode& mode, double t, std::span<double> x,
+                                    const std::vector<int>& candidates, const Fired& fired,
+                                    const std::vector<int>& breaking) const {
+    std::vector<int> others = candidates, gone;
+    for (const int k : fired.doubtful)
+        if (sticks_without_bound(before, k)) gone.push_back(k);
+    Fired left = fired;
+    for (auto* const list : {&others, &left.doubtful})
+        std::erase_if(*list, [&](int k) { return std::ranges::find(gone, k) != gone.end(); });
+    // of the accelerations without contacts
+    const mechanics::TreeState open = look(mode, t, x);
+    Mode tried = mode;
+    settle_breaking(before, tried, t, x, others, left, breaking);
+    if (!tried.impossible.empty()) return false;
+    const mechanics::TreeState state = look(tried, t, x);
+    const auto rows = conditions_->rows<double>(*tree_, state.moving);
+    for (const int k : gone) {
+        const auto& row = rows[at(conditions_->normal_row(k))];
+        if (acceleration_along(row, state).first < -1e-11 * acceleration_along(row, open).second) return false;
+    }
+    mode = std::move(tried);
+    return true;
 }
 
 RBDYN_INLINE std::vector<bool> TreeModel::begin_to_slide(const Mode& mode, Touched& touched,

@@ -170,11 +170,11 @@ RBDYN_INLINE void TreeModel::settle_rough(const Mode& before, Mode& mode, double
         if (!shares_load(before)) breaking.push_back(k);
     // what sticks without bound and would have to be pulled next, for let go it would move into its surface, slides
     for (const int k : fired.doubtful)
-        if (conditions_->contacts()[at(k)].never_slips() && mechanics::contact_state::is_held(before.slip[at(k)]) &&
-            !shares_load(before) && ends(before, k, t, x))
-            breaking.push_back(k);
-    for (std::size_t turn = 0; turn <= candidates.size(); ++turn) {
-        settle_breaking(before, mode, t, x, candidates, fired, breaking);
+        if (sticks_without_bound(before, k) && !shares_load(before) && ends(before, k, t, x)) breaking.push_back(k);
+    Fired now = fired;
+    const auto is_let_go = [&](int k) { return std::ranges::find(now.doubtful, k) != now.doubtful.end(); };
+    for (std::size_t turn = 0; turn <= 2 * candidates.size(); ++turn) {
+        settle_breaking(before, mode, t, x, candidates, now, breaking);
         if (!mode.impossible.empty()) return;
         // on the edge of its cone it is held unless the next moment takes it out; on those of all that share a load
         // none is held then
@@ -185,15 +185,20 @@ RBDYN_INLINE void TreeModel::settle_rough(const Mode& before, Mode& mode, double
         values.set_parameters(mode.parameters);
         values(t, x);
         for (const Guard& guard : mode.equations->guards) {
-            if (guard.kind != EventKind::slip || guard.contact < 0 || guard.joint >= 0 || guard.output < 0) continue;
+            if (guard.contact < 0 || guard.joint >= 0 || guard.output < 0) continue;
+            // what sticks without bound has one edge, where it presses no more
+            const bool is_last = guard.kind == EventKind::detach && sticks_without_bound(mode, guard.contact) &&
+                                 sticks_without_bound(before, guard.contact) && !is_let_go(guard.contact);
+            if (guard.kind != EventKind::slip && !is_last) continue;
             const double left = values.output(guard.output) / values.magnitude(guard.output);
             if (left > (shares ? 1e-11 : 1e-13)) continue;
             const bool is_left = left <= (shares ? 1e-14 : 1e-13) && leading_sign(mode, t, x, guard.output, 1) < 0;
             leaves = leaves || is_left;
-            if (shares || is_left) on_edge.push_back(guard.contact);
+            if (is_last && is_left) now.doubtful.push_back(guard.contact);
+            if (!is_last && (shares || is_left)) on_edge.push_back(guard.contact);
         }
         if (!leaves) break;
-        if (!shares) on_edge = {on_edge.back()};
+        if (!shares && !on_edge.empty()) on_edge = {on_edge.back()};
         breaking.insert(breaking.end(), on_edge.begin(), on_edge.end());
     }
     curve(before, mode, t, x);

@@ -222,6 +222,9 @@ private:
     bool is_at_end(const Mode& before, int contact, double t, std::span<const double> x) const;
     void settle_breaking(const Mode& before, Mode& mode, double t, std::span<double> x,
                          const std::vector<int>& candidates, const Fired& fired, std::vector<int> breaking) const;
+    bool sticks_without_bound(const Mode& mode, int contact) const;
+    bool let_go(const Mode& before, Mode& mode, double t, std::span<double> x, const std::vector<int>& candidates,
+                const Fired& fired, const std::vector<int>& breaking) const;
     /// Which contacts begin to slide by forces found, and along which directions: of those of the same bodies that do
     /// so along one direction it is that of all of them.
     std::vector<bool> begin_to_slide(const Mode& mode, Touched& touched, const mechanics::ConeForces& found,

@@ -362,10 +362,15 @@ RBDYN_INLINE bool TreeModel::hold_by_friction(const Mode& before, Mode& mode, do
         else if (!is_one)
             memory.shares = true;
         if (is_alive && !parts.empty()) memory.force[axis] += parts[static_cast<std::size_t>(found - alive.begin())];
-        // where the loads go on as they did, so do the forces inside the cones: then they end where the cones do
-        if (goes_on && is_alive)
+        // where the loads go on as they did, so do the forces inside the cones: then they end where the cones do.
+        // Within the rounding of the time what has changed is no rate, and along a surface without bound nothing comes
+        // to an end
+        const bool is_now = t - last.since <= 1024.0 * epsilon * std::abs(t),
+                   is_unbounded = sticks_without_bound(mode, contact) &&
+                                  std::abs(loose[i].along.dot(touched.all[loose[i].one].at.normal)) <= 1e-12;
+        if (goes_on && is_alive && !is_unbounded)
             memory.rate[axis] =
-                is_foreseen ? last.rate[axis] : (memory.force[axis] - last.force[axis]) / (t - last.since);
+                is_foreseen || is_now ? last.rate[axis] : (memory.force[axis] - last.force[axis]) / (t - last.since);
         memory.put(mode.memory, contact);
     }
     if (directions.empty()) return are_in(force);
