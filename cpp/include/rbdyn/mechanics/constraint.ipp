@@ -164,7 +164,6 @@ RBDYN_INLINE Conditions::Conditions(const Scene& scene, const Tree& tree,
     }
     for (const Scene::Touch& touch : scene.contacts()) {
         contacts_.push_back(contacts::law_of(touch, tree));
-        contacts_.back().is_along_plane = contacts::leans(contacts_.back(), start);
         is_rough_ = is_rough_ || contacts_.back().is_rough();
         const int contact = static_cast<int>(contacts_.size()) - 1;
         if (!contacts_.back().rolling.is_zero()) resistances_.push_back({contact, false});
@@ -172,6 +171,14 @@ RBDYN_INLINE Conditions::Conditions(const Scene& scene, const Tree& tree,
             resistances_.push_back({contact, true});
         else if (!contacts_.back().rolling.is_zero())
             resistances_.push_back({contact, true, true});
+    }
+    // what touches once bears all of its load, and needs no axes of its own
+    for (ContactLaw& c : contacts_) {
+        const auto shares = [&](const ContactLaw& other) {
+            return &other != &c && (other.a.body == c.a.body || other.b.body == c.a.body ||
+                                    (c.b.body >= 0 && (other.a.body == c.b.body || other.b.body == c.b.body)));
+        };
+        c.is_along_plane = contacts::leans(c, start) && std::ranges::any_of(contacts_, shares);
     }
 }
 

@@ -296,7 +296,7 @@ RBDYN_INLINE std::vector<int> TreeModel::accumulating(const Mode& after, double 
         // what is as quick as it came but for rounding has no end
         const double measured = came > 0.0 ? u / came : 1.0, ratio = is_known ? e : measured < 0.999 ? measured : 1.0;
         // those that do not are no bounces once they are far below rounding
-        const bool goes_on = height > 0x1p-6 * lowest(k) && next > 64.0 * epsilon * std::abs(t) && !is_slowest;
+        const bool goes_on = height > 1e-3 * lowest(k) && next > 64.0 * epsilon * std::abs(t) && !is_slowest;
         if (is_coarse && ratio >= 1.0 && goes_on) return {};
         const double sum = next / (1.0 - (ratio < 1.0 ? ratio : 0.9));
         // where this impact tells nothing it may be any time of that size
