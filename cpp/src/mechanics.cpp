@@ -26,4 +26,5 @@
 #include "rbdyn/mechanics/tree_slip_directions.ipp"
 #include "rbdyn/mechanics/tree_slip_parts.ipp"
 #include "rbdyn/mechanics/tree_state.ipp"
+#include "rbdyn/mechanics/tree_taking.ipp"
 #include "rbdyn/mechanics/tree_writer.ipp"

@@ -186,6 +186,7 @@
 #include "rbdyn/mechanics/tree_state.ipp"
 #include "rbdyn/mechanics/tree_straight.ipp"
 #include "rbdyn/mechanics/tree_strikes.ipp"
+#include "rbdyn/mechanics/tree_taking.ipp"
 #include "rbdyn/mechanics/tree_touch.ipp"
 #include "rbdyn/mechanics/tree_writer.ipp"
 #include "rbdyn/member_abreast.ipp"
