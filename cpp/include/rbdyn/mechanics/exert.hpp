@@ -45,11 +45,14 @@ public:
     /// Whether anything but its weight acts on a body.
     bool acts_on(int body) const;
     int loads() const { return static_cast<int>(loads_.size()); }
+    /// A body that constraints leave no motion is not dragged: its speed is rounding, and has no direction.
+    void keep_still(int body);
 
 private:
     struct Applied {
         Load load;
         Anchor at;
+        bool is_idle = false;
     };
 
     static std::size_t at(int i) { return static_cast<std::size_t>(i); }

@@ -32,6 +32,11 @@ RBDYN_INLINE Exerted::Exerted(const Scene& scene, const Tree& tree) : gravity_(w
         couplings_.push_back({c.coupling, tree.anchor(c.a), tree.anchor(c.b)});
 }
 
+RBDYN_INLINE void Exerted::keep_still(int body) {
+    for (Applied& load : loads_)
+        load.is_idle = load.is_idle || (load.at.body == body && std::holds_alternative<Drag>(load.load));
+}
+
 RBDYN_INLINE Wrench<Expression> Exerted::wrench(const Applied& load, const Tree& tree, const S& t,
                                                 const std::vector<Moving<S>>& all) {
     Wrench<S> w;
@@ -93,7 +98,7 @@ RBDYN_INLINE Acts Exerted::all(const Tree& tree, const S& t, const std::vector<M
             power = along(*torque, turning_velocity(n.joint));
         } else if (const JointForce* force = std::get_if<JointForce>(&load.load)) {
             power = along(*force, sliding_velocity(n.joint));
-        } else if (is_present(load.load)) {
+        } else if (is_present(load.load) && !load.is_idle) {
             const Wrench<S> w = wrench(load, tree, t, all);
             add<S>(acts.wrenches[at(body)], w, S(1.0));
             power = mechanics::power(Twist<S>{all[at(body)].omega, all[at(body)].velocity}, w);
