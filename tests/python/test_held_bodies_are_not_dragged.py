@@ -1,4 +1,4 @@
-"""What constraints leave no motion has a speed of rounding: a drag by its square has no direction there, and is none."""
+"""What constraints leave no motion has a speed of rounding, and a drag by its square has no direction there."""
 
 import numpy as np
 import pytest
