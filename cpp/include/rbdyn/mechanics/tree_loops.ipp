@@ -144,11 +144,14 @@ RBDYN_INLINE void TreeModel::choose_rows() {
     for (std::size_t j = 0; j < rows_.size(); ++j)
         is_uneven_ = is_uneven_ || !(first_pivots_[j] > uneven * matrix[j][j]);
     held_ = mechanics::held_still(*tree_, *conditions_, rows_, origin(), x, size, loosest_);
-    auto exerted = std::make_shared<mechanics::Exerted>(*exerted_);
-    for (int i = 0; i < bodies(); ++i)
-        if (const std::size_t turns = at(tree_->velocities() + i); held_[turns] && held_[turns + at(bodies())])
-            exerted->keep_still(i);
-    exerted_ = exerted;
+    // what drives move later may stand now
+    if (!is_driven()) {
+        auto exerted = std::make_shared<mechanics::Exerted>(*exerted_);
+        for (int i = 0; i < bodies(); ++i)
+            if (const std::size_t turns = at(tree_->velocities() + i); held_[turns] && held_[turns + at(bodies())])
+                exerted->keep_still(i);
+        exerted_ = std::move(exerted);
+    }
     size_ = size;
     units_ = mechanics::closing::Responses(*tree_, *conditions_, every, all).extents();
     has_choice_ =
