@@ -144,3 +144,34 @@ def test_a_particle_that_has_come_to_rest_in_a_corner_stays_there(left, right, e
     assert np.array_equal(run[ball].velocity(1e5), [0, 0, 0])
     assert np.abs(run[ball].position(1e5) - [*apex, 0]).max() <= 4e-16
     assert np.array_equal(run[ball].position(1e5), run[ball].position(100.0))
+
+
+@pytest.mark.parametrize("seed", [0, 3, 4, 8, 9, 11, 14])
+def test_a_corner_that_never_slips_bounces_to_an_end_and_slides_where_it_would_have_to_be_pulled(seed):
+    """As with a very large coefficient. The impulse along the surface is that of a least speed, below which what comes
+    is thrown back quicker than it came, as often slower: its bounces had no end (5 of 8 such boxes)."""
+    rng = np.random.default_rng(seed)
+    size = np.array([0.9, 0.32, 0.53]) * (1 + 0.05 * rng.normal(size=3))
+    spin = np.array([0.7, -4.1, 3.8]) * (1 + 0.05 * rng.normal(size=3))
+    square = size**2
+    corners = [np.array([x, y, z]) * size / 2 for z in (-1, 1) for x in (-1, 1) for y in (-1, 1)]
+
+    def events(friction):
+        scene = rb.Scene(gravity=[4.7, 0, -8.6])
+        box = scene.add(
+            rb.RigidBody(2.0, np.diag(square.sum() - square) / 6),
+            position=[0, 0, size[2] / 2],
+            velocity=-np.cross(spin, corners[0]),
+            angular_velocity_world=spin,
+        )
+        for corner in corners:
+            scene.contact(box.point(corner), rb.Plane([0, 0, 1]), friction=rb.Coulomb(friction), restitution=0.5)
+        run = rb.simulate(scene, 0.3, rtol=1e-9, max_steps=1500)
+        assert run.status == "reached end"
+        return [e for e in run.events if e.kind != "impact"]
+
+    without, much = events(np.inf), events(1e6)
+    assert "accumulation" in [e.kind for e in without]
+    assert [(e.kind, e.name) for e in without] == [(e.kind, e.name) for e in much]
+    # one over the coefficient apart, which grows
+    assert [e.time for e in without] == pytest.approx([e.time for e in much], abs=1e-5)

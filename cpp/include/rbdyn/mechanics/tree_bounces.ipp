@@ -286,9 +286,13 @@ RBDYN_INLINE std::vector<int> TreeModel::accumulating(const Mode& after, double 
         const double next = 2.0 * u / -w[i];
         const double e = conditions_->contacts()[at(k)].restitution;
         const bool is_slowest = e >= 1.0 && u <= slowest_slip && next <= few;
+        // what comes back no slower than it came, though it loses, does so by the rounding of its friction
+        const bool is_rounding =
+            e < 1.0 && came > 0.0 && u >= came && u <= slow_bounce * slowest_bounce * speed_of(k, all);
         const bool is_shortest =
-            is_coarse ? (!is_mixed && height <= lowest(k)) || next <= shortest || is_slowest
-                      : next <= least_flight || (e > 0.0 ? e : 1.0) * u <= slowest_bounce * speed_of(k, all);
+            is_coarse
+                ? (!is_mixed && height <= lowest(k)) || next <= shortest || is_slowest
+                : next <= least_flight || (e > 0.0 ? e : 1.0) * u <= slowest_bounce * speed_of(k, all) || is_rounding;
         if (!is_coarse && !is_shortest) continue;
         if (!is_shortest) return {};
         // bounces get shorter by the coefficient of restitution, or as this impact has made speeds
@@ -300,7 +304,7 @@ RBDYN_INLINE std::vector<int> TreeModel::accumulating(const Mode& after, double 
         if (is_coarse && ratio >= 1.0 && goes_on) return {};
         const double sum = next / (1.0 - (ratio < 1.0 ? ratio : 0.9));
         // where this impact tells nothing it may be any time of that size
-        if (!(ratio < 1.0)) left.unsure = std::max(left.unsure, sum);
+        if (!(ratio < 1.0) || is_rounding) left.unsure = std::max(left.unsure, sum);
         // nor do flights lower than the rounding of places take a time that is known better than one as low as that
         if (is_mixed) left.unsure = std::max(left.unsure, 4.0 * sum);
         if (is_coarse && conditions_->is_rough() && height < 64.0 * gap_rounding(k))

@@ -395,6 +395,7 @@ private:
     static constexpr double mixed_bounce = 0x1p14;
     // of the speed along the surface, some times what impulses take for rounding
     static constexpr double slowest_bounce = 3e-14;
+    static constexpr double slow_bounce = 1024.0;  // of that: where friction may hide by rounding what an impact loses
     // flights this much longer than the rounding of the time are not the last ones
     static constexpr double many_roundings = 0x1p20;
     /// What a row has of acceleration at a state, and the size of what that is made of.
