@@ -18,8 +18,9 @@ namespace mechanics {
 /// Closed and rough: it slides, in a direction that stays what it is across the normal, in one that turns, or, where
 /// the speed is so small that its direction is rounding, in the last direction there was, or, where it starts from
 /// rest, in that of its first acceleration, or in one that is a polynomial in time where it has none (curves); or it is
-/// held, along those of three axes that are rows of their own (Touching::held_axis). What slides, its force one of many, rests in a
-/// direction that stays, or veers with its slip, or sets out or bends where another one starts or curves.
+/// held, along those of three axes that are rows of their own (Touching::held_axis). What slides, its force one of
+/// many, rests in a direction that stays, or veers with its slip, or sets out or bends where another one starts or
+/// curves.
 namespace contact_state {
 
 inline constexpr signed char pushes = 1, rests = 3, straight = 4, turning = 5, brief = 6, starts = 7, curves = 8,
