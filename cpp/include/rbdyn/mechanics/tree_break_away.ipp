@@ -96,8 +96,9 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
             is_held(before.slip[at(k)]) && memory.shares)
             is_over = is_over || t - memory.since <= 16.0 * epsilon * std::abs(t);
     // what sticks without bound goes past its edge where it presses no more
-    const bool is_endless = std::ranges::any_of(fired.doubtful, [&](int k) { return sticks_without_bound(before, k); });
-    const bool on_edges = may_be_on_edges && !(is_endless && shares_load(before));
+    const bool goes_past = shares_load(before) &&
+                           std::ranges::any_of(fired.doubtful, [&](int k) { return sticks_without_bound(before, k); });
+    const bool on_edges = may_be_on_edges && !goes_past;
     // first, whether all that is at rest can be held
     if (breaking.empty() && !is_over && (fired.doubtful.empty() || shares_load(before))) {
         found = mechanics::held_by(touched.matrix, b, noise, touched.cones);
@@ -107,7 +108,7 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
         }
         mode = undecided;
     }
-    if (is_endless && shares_load(before) && let_go(before, mode, t, x, candidates, fired, breaking)) return;
+    if (goes_past && let_go(before, mode, t, x, candidates, fired, breaking)) return;
     if (stopping.size() > at_rest.size()) see(at_rest);
     const auto is_still = [&](std::size_t i) {
         const auto f = static_cast<std::size_t>(touched.cones[i].first);

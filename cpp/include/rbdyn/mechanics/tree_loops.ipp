@@ -145,11 +145,13 @@ RBDYN_INLINE void TreeModel::choose_rows() {
         is_uneven_ = is_uneven_ || !(first_pivots_[j] > uneven * matrix[j][j]);
     held_ = mechanics::held_still(*tree_, *conditions_, rows_, origin(), x, size, loosest_);
     // what drives move later may stand now
-    if (!is_driven()) {
+    std::vector<int> still;
+    for (int i = 0; i < bodies() && !is_driven(); ++i)
+        if (const std::size_t turns = at(tree_->velocities() + i); held_[turns] && held_[turns + at(bodies())])
+            still.push_back(i);
+    if (!still.empty()) {
         auto exerted = std::make_shared<mechanics::Exerted>(*exerted_);
-        for (int i = 0; i < bodies(); ++i)
-            if (const std::size_t turns = at(tree_->velocities() + i); held_[turns] && held_[turns + at(bodies())])
-                exerted->keep_still(i);
+        for (const int i : still) exerted->keep_still(i);
         exerted_ = std::move(exerted);
     }
     size_ = size;

@@ -34,6 +34,23 @@ inline constexpr int least = 30;
 /// Of the numbers that a place is made of: by how much two branches miss each other that are no longer one.
 inline constexpr double misses = 1e-10;
 
+/// What touches rolls: how far its centre goes is measured by how far it turns, too, over its radius of gyration.
+inline void measure_by_turns(const mechanics::Tree& tree, std::vector<VariableGroup>& groups) {
+    for (const mechanics::Node& n : tree.nodes()) {
+        if (n.joint.as<mechanics::FreeBodyLaw>() == nullptr) continue;
+        const auto& inertia = n.body.inertia;
+        const double gyration =
+            std::sqrt(static_cast<double>((inertia(0, 0) + inertia(1, 1) + inertia(2, 2)) / n.mass));
+        for (VariableGroup& g : groups) {
+            const bool is_attitude = g.first == n.q + n.joint.attitude(),
+                       is_turning = g.first == tree.positions() + n.v + n.joint.attitude();
+            if (!(gyration > 0.0) || !(is_attitude || is_turning)) continue;
+            g.alike = is_attitude ? Alike::place : Alike::velocity;
+            g.measure = gyration;
+        }
+    }
+}
+
 }  // namespace tree_rows
 
 RBDYN_INLINE double TreeModel::independence_of(const std::vector<int>& rows,
@@ -142,27 +159,6 @@ RBDYN_INLINE std::vector<double> TreeModel::pivots_of(const Mode& mode, double t
     mechanics::solve_definite<double>(responses.matrix(), std::vector<double>(used.size(), 0.0), &pivots);
     return pivots;
 }
-
-namespace tree_rows {
-
-/// What touches rolls: how far its centre goes is measured by how far it turns, too, over its radius of gyration.
-inline void measure_by_turns(const mechanics::Tree& tree, std::vector<VariableGroup>& groups) {
-    for (const mechanics::Node& n : tree.nodes()) {
-        if (n.joint.as<mechanics::FreeBodyLaw>() == nullptr) continue;
-        const auto& inertia = n.body.inertia;
-        const double gyration =
-            std::sqrt(static_cast<double>((inertia(0, 0) + inertia(1, 1) + inertia(2, 2)) / n.mass));
-        for (VariableGroup& g : groups) {
-            const bool is_attitude = g.first == n.q + n.joint.attitude(),
-                       is_turning = g.first == tree.positions() + n.v + n.joint.attitude();
-            if (!(gyration > 0.0) || !(is_attitude || is_turning)) continue;
-            g.alike = is_attitude ? Alike::place : Alike::velocity;
-            g.measure = gyration;
-        }
-    }
-}
-
-}  // namespace tree_rows
 
 RBDYN_INLINE std::vector<VariableGroup> TreeModel::groups_in(const mechanics::Tree& tree, bool is_constrained) const {
     std::vector<VariableGroup> groups = tree.groups(is_constrained);
