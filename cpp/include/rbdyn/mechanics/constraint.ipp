@@ -179,6 +179,9 @@ RBDYN_INLINE Conditions::Conditions(const Scene& scene, const Tree& tree,
                                     (c.b.body >= 0 && (other.a.body == c.b.body || other.b.body == c.b.body)));
         };
         c.is_along_plane = contacts::leans(c, start) && std::ranges::any_of(contacts_, shares);
+        if (!c.never_slips() || tree.node(c.a.body).joint.as<FreeBodyLaw>() == nullptr) continue;
+        for (const ContactLaw& other : contacts_)
+            if (shares(other) && other.never_slips()) c.beside.push_back(static_cast<int>(&other - contacts_.data()));
     }
 }
 

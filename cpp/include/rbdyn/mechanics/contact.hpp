@@ -11,6 +11,7 @@
 // surface.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <string>
@@ -138,10 +139,17 @@ struct ContactLaw {
 
     bool is_rough() const { return !mu_static.is_zero(); }
     /// Friction without bound, where what sticks would have to be pulled: it slides as with ever larger coefficients,
-    /// whose motions tend to one, by one over the coefficient. This one is as near to it as rounding.
-    static constexpr double unbounded = 0x1p46;
+    /// whose motions tend to one, by one over the coefficient. This one is as near to it as rounding; of several feet
+    /// in space the limit leaves open how they share what little load there is, and the largest that tells is less.
+    static constexpr double alone = 0x1p46, one_of_several = 0x1p20;
+    std::vector<int> beside;  // of a body in space: its other contacts whose friction has no bound
     bool never_slips() const { return !std::isfinite(static_cast<double>(mu_dynamic)); }
-    double sliding() const { return never_slips() ? unbounded : static_cast<double>(mu_dynamic); }
+    /// With what it slides. `touches`: of a contact, whether it does.
+    template <class Touches>
+    double sliding(const Touches& touches) const {
+        if (!never_slips()) return static_cast<double>(mu_dynamic);
+        return std::ranges::any_of(beside, touches) ? one_of_several : alone;
+    }
 
     /// What has the sign of the gap, and up to twice its size: of a ball on a plane by the normal as it was given,
     /// which no root has rounded. What slides far along a plane is held to it by no more digits than its normal has.

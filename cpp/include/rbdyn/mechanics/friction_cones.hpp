@@ -25,6 +25,7 @@ struct Cone {
     int first = 0;         // of its unknowns: normal, and two across it; or the normal alone
     bool is_line = false;  // smooth, or sliding in a known direction
     double mu = 0.0;
+    double widest = 0x1p46;  // with what it slides where mu is infinite
 };
 
 enum class ConeState { open, held, slides };

@@ -13,7 +13,6 @@
 
 #include "rbdyn/basics/dense.hpp"
 #include "rbdyn/mechanics/cone_program.hpp"
-#include "rbdyn/mechanics/contact.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::mechanics {
 
@@ -243,7 +242,7 @@ RBDYN_INLINE ConeForces solve_any_cones(const Square& a, const std::vector<doubl
     for (std::size_t i = 0; i < cones.size() && is_right; ++i) is_right = !slips(i);
     if (is_right || std::none_of(cones.begin(), cones.end(), is_endless)) return found;
     for (Cone& cone : cones)
-        if (is_endless(cone)) cone.mu = ContactLaw::unbounded;
+        if (is_endless(cone)) cone.mu = cone.widest;
     return solve_cones(a, b, noise, cones);
 }
 

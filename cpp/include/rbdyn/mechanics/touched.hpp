@@ -148,7 +148,8 @@ struct TreeModel::Touched {
         mechanics::Touching<double> at;
         Vector3 slip, along = Vector3::Zero();  // u across the normal; its direction where it slides
         bool slides = false;
-        Vector3 axes[3];  // of its unknowns: the normal, and two across it
+        Vector3 axes[3];       // of its unknowns: the normal, and two across it
+        double sliding = 0.0;  // its coefficient where it slides
     };
     std::vector<One> all;
     std::vector<mechanics::Cone> cones;

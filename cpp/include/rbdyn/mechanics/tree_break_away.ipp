@@ -108,7 +108,12 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
         }
         mode = undecided;
     }
-    if (goes_past && let_go(before, mode, t, x, candidates, fired, breaking)) return;
+    if (goes_past) {
+        if (let_go(before, mode, t, x, candidates, fired, breaking)) return;
+        // let go it would move into its surface: it slides
+        for (const int k : fired.doubtful)
+            if (sticks_without_bound(before, k) && !breaks(k)) breaking.push_back(k);
+    }
     if (stopping.size() > at_rest.size()) see(at_rest);
     const auto is_still = [&](std::size_t i) {
         const auto f = static_cast<std::size_t>(touched.cones[i].first);
@@ -151,7 +156,7 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
     while (true) {
         for (std::size_t i = 0; i < candidates.size(); ++i) {
             const mechanics::ContactLaw& c = conditions_->contacts()[at(candidates[i])];
-            touched.cones[i].mu = breaks(candidates[i]) ? c.sliding() : static_cast<double>(c.mu_static);
+            touched.cones[i].mu = breaks(candidates[i]) ? touched.all[i].sliding : static_cast<double>(c.mu_static);
         }
         found = mechanics::solve_any_cones(touched.matrix, b, noise, touched.cones);
         std::vector<int> more, moving_off;

@@ -91,6 +91,7 @@ RBDYN_INLINE TreeModel::Touched TreeModel::touched(const Mode& before, double t,
     for (const int k : contacts) {
         const mechanics::ContactLaw& c = conditions_->contacts()[at(k)];
         Touched::One one{k, c.touching<double>(*tree_, all), {}, {}, false, {}};
+        one.sliding = c.sliding([&](int other) { return std::ranges::find(contacts, other) != contacts.end(); });
         const auto& here = one.at;
         one.slip = here.slip();
         one.axes[0] = here.normal;
@@ -111,7 +112,7 @@ RBDYN_INLINE TreeModel::Touched TreeModel::touched(const Mode& before, double t,
         result.rows.push_back(here.row(here.normal, here.normal_rate));
         result.pushes.push_back(result.rows.back());
         if (one.slides) {
-            result.pushes.back() = here.row(Vector3(here.normal - one.along * c.sliding()), Vector3(Vector3::Zero()));
+            result.pushes.back() = here.row(Vector3(here.normal - one.along * one.sliding), Vector3(Vector3::Zero()));
         } else if (resists) {
             for (int i = 1; i < 3; ++i) {
                 result.rows.push_back(here.row(one.axes[i], Vector3(Vector3::Zero())));
@@ -119,7 +120,7 @@ RBDYN_INLINE TreeModel::Touched TreeModel::touched(const Mode& before, double t,
             }
         }
         if (mode != nullptr) here.add_torque(result.pushes[at(first)], twisting(*mode, k, all));
-        result.cones.push_back({first, !resists || one.slides, static_cast<double>(c.mu_static)});
+        result.cones.push_back({first, !resists || one.slides, static_cast<double>(c.mu_static), one.sliding});
         if (strikes) result.cones.back().mu = c.mu_dynamic;
         result.all.push_back(std::move(one));
     }

@@ -176,7 +176,7 @@ RBDYN_INLINE void TreeModel::tell_stroke(const Touched& touched, std::size_t i, 
     for (int j = 0; j < (touched.cones[i].is_line ? 1 : 3); ++j)
         strokes.pushed[at(k)] += touched.all[i].axes[j] * found.force[f + at(j)];
     if (touched.all[i].slides)
-        strokes.pushed[at(k)] -= touched.all[i].along * (conditions_->contacts()[at(k)].sliding() * found.force[f]);
+        strokes.pushed[at(k)] -= touched.all[i].along * (touched.all[i].sliding * found.force[f]);
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM

@@ -238,7 +238,7 @@ RBDYN_INLINE bool TreeModel::hold_by_friction(const Mode& before, Mode& mode, do
         const signed char state = mode.slip[at(one.contact)];
         const auto f = static_cast<std::size_t>(touched.cones[i].first);
         // one.along is none where it does not slide
-        const Vector3 along = one.at.normal - one.along * conditions_->contacts()[at(one.contact)].sliding();
+        const Vector3 along = one.at.normal - one.along * one.sliding;
         if (state == pushes || slides(state)) {
             rows.push_back(every[at(conditions_->normal_row(one.contact))]);
             acting.push_back(one.at.row(along, Vector3(Vector3::Zero())));

@@ -48,7 +48,9 @@ RBDYN_INLINE bool TreeModel::keeps_straight(const Mode& mode, int body, std::spa
             continue;
         }
         const mechanics::ContactLaw& one = conditions_->contacts()[at(*first)];
-        if (!mechanics::leveling::are_level(one, c) || one.sliding() != c.sliding()) return false;
+        if (!mechanics::leveling::are_level(one, c) ||
+            static_cast<double>(one.mu_dynamic) != static_cast<double>(c.mu_dynamic))
+            return false;
         const Vector3 axis = mechanics::ContactMemory::of(mode.memory, *first).axis,
                       other = mechanics::ContactMemory::of(mode.memory, k).axis;
         if ((other - axis).norm() > rounding * axis.norm()) return false;

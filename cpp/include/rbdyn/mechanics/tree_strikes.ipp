@@ -80,7 +80,8 @@ RBDYN_INLINE std::vector<int> TreeModel::stop(double t, std::span<double> x, con
         acting.push_back(rows.back());
         if (!c.is_rough()) continue;
         const Vector3 slip = touching.slip();
-        const double speed = slip.norm(), mu = c.sliding();
+        const double speed = slip.norm(),
+                     mu = c.sliding([&](int other) { return std::ranges::find(of, other) != of.end(); });
         const bool is_stuck =
             std::find(stuck.begin(), stuck.end(), k) != stuck.end() || speed <= 0x1p-40 * speed_of(k, all);
         if (!is_stuck) {

@@ -83,9 +83,8 @@ RBDYN_INLINE std::vector<bool> TreeModel::begin_to_slide(const Mode& mode, Touch
         if (!begins[i]) continue;
         Touched::One& one = touched.all[i];
         one.along = common[i];
-        const double mu = conditions_->contacts()[at(one.contact)].sliding();
         mechanics::Row<double>& push = touched.pushes[at(touched.cones[i].first)];
-        push = one.at.row(Vector3(one.at.normal - one.along * mu), Vector3(Vector3::Zero()));
+        push = one.at.row(Vector3(one.at.normal - one.along * one.sliding), Vector3(Vector3::Zero()));
         one.at.add_torque(push, twisting(mode, one.contact, touched.moving));
     }
     return begins;

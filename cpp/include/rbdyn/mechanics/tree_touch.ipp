@@ -278,7 +278,7 @@ RBDYN_INLINE void TreeModel::Encounter::end_bounces() {
     const auto motion = model.moving(t, x);
     const double late = (left.slid ? model.mixed_bounce : 64.0) * epsilon * std::abs(t);
     for (const int k : at_rest)
-        if (law(k).is_rough() && law(k).sliding() > 0.0 && !is_in(stuck, k) &&
+        if (law(k).is_rough() && !law(k).mu_dynamic.is_zero() && !is_in(stuck, k) &&
             law(k).touching<double>(*model.tree_, motion).slip().norm() <= late * left.pull)
             stuck.push_back(k);
     come_to_rest(struck, bounced, stuck, nullptr);

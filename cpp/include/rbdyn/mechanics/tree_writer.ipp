@@ -95,7 +95,8 @@ RBDYN_INLINE TreeWriter::TreeWriter(Recorder& r, const Tree& tree, const Conditi
 RBDYN_INLINE Vector3Of<Expression> TreeWriter::pushing(std::size_t k) const {
     const ContactLaw& c = conditions_.contacts()[k];
     if (!c.is_rough()) return touching_[k].normal;
-    return touching_[k].normal - friction_[k].along * (c.never_slips() ? S(c.sliding()) : c.mu_dynamic.in<S>());
+    const auto touches = [&](int other) { return states_[at(other)] != flies; };
+    return touching_[k].normal - friction_[k].along * (c.never_slips() ? S(c.sliding(touches)) : c.mu_dynamic.in<S>());
 }
 
 RBDYN_INLINE Vector3Of<Expression> TreeWriter::twisting(std::size_t k) const {
