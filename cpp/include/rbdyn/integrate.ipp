@@ -355,9 +355,23 @@ RBDYN_INLINE Solution solve(const HybridModel& model, const std::vector<double>&
             amplifies = true;
             if (comparison.same_events && comparison.error <= options.error) continue;
         }
-        // what chance has pushed apart it may have pushed together: where events multiply rounding a second judge,
-        // which rounds otherwise again, has to say the same
+        // what chance has pushed apart it may have pushed together: where a motion quickens rounding grows with it, and
+        // at least that much is told, or if it comes near what was asked a judge of more digits tells
+        constexpr double much = 100.0, roundings = 4.0;
         const auto is_right = [&](const Comparison& c) { return c.same_events && c.error <= options.error; };
+        const double grown = roundings * std::numeric_limits<double>::epsilon() * comparison.quickens;
+        if (!form && comparison.quickens > much && !finer.manner.is_refined && grown > comparison.error) {
+            if (grown > doubtful * options.error && is_right(comparison) && judge == "taylor") {
+                amplifies = true;
+                continue;
+            }
+            result.error = comparison.error = grown;
+            if (grown > options.error)
+                result.certain_until = comparison.certain_until =
+                    std::min(comparison.certain_until,
+                             run.record.start + AccuracyCheck::first_part * (run.record.end.hi - run.record.start));
+        }
+        // where events multiply rounding a second judge, which rounds otherwise again, has to say the same
         if (is_right(comparison) && comparison.amplifies && run.record.modes.size() > 1) {
             Pass again = finer;
             ++again.manner.chance;

@@ -34,6 +34,7 @@ RBDYN_INLINE Pass judging_pass(const SimulateOptions& options, const std::string
     pass.tolerance = is_judge ? judging_tolerance(engine, first.tolerance)
                               : std::clamp(std::min(options.error, 10.0 * first.tolerance) * 1e-3, 1e-17, 1e-13);
     pass.manner.rounding = manner.rounding == Rounding::nearest ? Rounding::other : Rounding::nearest;
+    pass.manner.is_refined = amplifies;
     if (is_judge) {
         pass.manner.order = at_floor ? other_order : 0;
         pass.manner.stride = other_stride * manner.stride;

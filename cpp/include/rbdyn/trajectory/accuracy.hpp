@@ -30,6 +30,7 @@ struct Comparison {
     bool same_events = true;
     bool by_rounding = false;        // nothing but rounding decides which events there are
     bool amplifies = false;          // differences grow from rounding to many times that: both runs may be as wrong
+    double quickens = 1.0;           // how much more quickly variables change, beside their sizes, than early on
     std::vector<Event> grazes = {};  // of the run alone: holds of no length, which are none
     bool stopped = false;            // by whoever was asked whether to proceed
     ErrorScales scales = {};         // of the motion
@@ -60,6 +61,9 @@ public:
     /// spread over them, of the quickest and of the last in each mode, and at more places of few.
     static std::vector<double> places(const Record& run);
 
+    /// Of a motion, after which Comparison::quickens tells how it goes on.
+    static constexpr double first_part = 0.25;
+
 private:
     struct Difference {
         double since, value;     // since: the time up to which it was less [s]
@@ -68,6 +72,9 @@ private:
     };
     /// The pieces in which variables change most quickly.
     static std::vector<std::size_t> quickest(const Record& run);
+
+    /// Comparison::quickens: what delays a motion early on, if only by rounding, is so much more of it later.
+    static double quickens(const Record& run);
 
     void compare_motion(const Record& run, const Record& better, std::span<const double> times, double until);
 
@@ -101,6 +108,11 @@ private:
 
     /// The differences of what is seen from the better; of motion alone, or of forces, too.
     void note(double weight, bool is_shared, bool has_forces);
+    static bool is_of_time(const Mode& mode);
+    /// What rounding of the time does to what is seen, where it follows functions of time.
+    void note_late(const Mode& mode, double t, std::span<const double> x);
+    /// Of what has no variables, all of which are functions of time.
+    void see_given(const Record& run, double until);
 
     /// Whether a mode of a run ends within the error wanted of a time: forces that turn with a slip that comes to rest
     /// there do so ever faster, and are known as well as the time of that is.

@@ -124,7 +124,7 @@ RBDYN_INLINE Comparison AccuracyCheck::operator()(const Record& run, const Recor
     struct Early {
         double part, growth, found = std::numeric_limits<double>::epsilon();
     };
-    std::array<Early, 2> earlies{{{0.25, 100.0}, {1.0 / 32.0, 2000.0}}};
+    std::array<Early, 2> earlies{{{first_part, 100.0}, {1.0 / 32.0, 2000.0}}};
     for (const Difference& d : differences_) {
         const double found = d.what < 0 ? d.value : scales_.relative(static_cast<std::size_t>(d.what), d.value);
         double& difference = d.what < 0 ? result.event_difference : result.motion_difference;
@@ -140,6 +140,7 @@ RBDYN_INLINE Comparison AccuracyCheck::operator()(const Record& run, const Recor
     const double most = std::max(result.motion_difference, result.event_difference);
     result.amplifies = std::ranges::any_of(
         earlies, [&](const Early& early) { return early.found <= rounding && most > early.growth * early.found; });
+    result.quickens = quickens(run);
     // rounding: what two runs share is not seen by comparing them
     const double steps = static_cast<double>(std::max<std::size_t>(run.entries().size(), 1));
     const double floor = std::numeric_limits<double>::epsilon() * std::sqrt(steps);
@@ -154,6 +155,7 @@ RBDYN_INLINE Comparison AccuracyCheck::operator()(const Record& run, const Recor
 
 RBDYN_INLINE void AccuracyCheck::compare_motion(const Record& run, const Record& better, std::span<const double> times,
                                                 double until) {
+    if (run.variables == 0 && !run.modes.empty()) see_given(run, until);
     if (run.empty() || (better.empty() && !is_formula(better))) return;
     x_.resize(static_cast<std::size_t>(run.variables));
     y_.resize(x_.size());
@@ -248,6 +250,35 @@ RBDYN_INLINE std::vector<std::size_t> AccuracyCheck::quickest(const Record& run)
     return found;
 }
 
+RBDYN_INLINE double AccuracyCheck::quickens(const Record& run) {
+    constexpr std::size_t looked_at = 64;
+    const std::size_t pieces = run.entries().size(), n = static_cast<std::size_t>(std::max(run.variables, 0));
+    if (pieces == 0) return 1.0;
+    const std::size_t every = (pieces + looked_at - 1) / looked_at;
+    struct Way {
+        double size = 0.0, rate = 0.0;
+    };
+    std::vector<Way> first(n), all(n);
+    for (std::size_t i = (pieces - 1) % every; i < pieces; i += every) {
+        const Piece piece = run.piece(i);
+        if (piece.order == 0) continue;
+        const bool is_early = piece.at(0.0).hi - run.start <= first_part * (run.end.hi - run.start);
+        for (std::size_t k = 0; k < n; ++k) {
+            const auto variable = piece.variable(static_cast<int>(k));
+            const double rate = std::abs(variable[1]) / piece.unit;
+            // a size that it has within the piece, for it may begin at zero
+            const Way now{std::abs(variable[0]) + rate * piece.unit * piece.length, rate};
+            for (Way* way : {&all[k], is_early ? &first[k] : &all[k]})
+                *way = {std::max(way->size, now.size), std::max(way->rate, now.rate)};
+        }
+    }
+    double most = 1.0;
+    for (std::size_t k = 0; k < n; ++k)
+        if (first[k].rate > 0.0 && all[k].size > 0.0)
+            most = std::max(most, all[k].rate / all[k].size * (first[k].size / first[k].rate));
+    return most;
+}
+
 RBDYN_INLINE std::vector<double> AccuracyCheck::places(const Record& run) {
     std::vector<double> times;
     const std::size_t pieces = run.entries().size(), every = std::max<std::size_t>(pieces / most_places, 1);
@@ -333,9 +364,9 @@ RBDYN_INLINE void AccuracyCheck::compare_at(const Place& place, const Record& ru
         model_.observe(fine_mode, at.hi, x_, seen_);
         leave_out_rounding(nearer);
         note(0.5, true, has_forces);
+        if (is_of_time(fine_mode)) note_late(fine_mode, at.hi, y_);
         // and where forces depend on time, and it begins late, the rounding of the time at which they are taken
-        if (start_ != 0.0 && !is_formula(better) && fine_mode.equations != nullptr &&
-            fine_mode.equations->program.uses_time()) {
+        if (start_ != 0.0 && !is_formula(better) && is_of_time(fine_mode)) {
             x_ = y_;
             move_on(better.piece(place.fine_piece), place.there, std::numeric_limits<double>::epsilon() * start_);
             model_.observe(fine_mode, at.hi, x_, seen_);
@@ -343,6 +374,31 @@ RBDYN_INLINE void AccuracyCheck::compare_at(const Place& place, const Record& ru
         }
     }
     last_ = at.hi;
+}
+
+RBDYN_INLINE bool AccuracyCheck::is_of_time(const Mode& mode) {
+    return mode.equations != nullptr && mode.equations->program.uses_time();
+}
+
+RBDYN_INLINE void AccuracyCheck::note_late(const Mode& mode, double t, std::span<const double> x) {
+    const double rounding = 0.5 * std::numeric_limits<double>::epsilon() * std::abs(t), later = t + 2.0 * rounding;
+    if (!(later > t)) return;
+    model_.observe(mode, later, x, seen_);
+    note(0.5 * rounding / (later - t), true, false);
+}
+
+RBDYN_INLINE void AccuracyCheck::see_given(const Record& run, double until) {
+    constexpr int parts = 32;
+    const Mode& mode = run.modes.front();
+    if (!is_of_time(mode)) return;
+    for (int part = 0; part <= parts; ++part) {
+        const double t = run.start + (run.end.hi - run.start) * part / parts;
+        if (t > until) break;
+        model_.observe(mode, t, {}, fine_);
+        scales_.widen(fine_);
+        last_ = t;
+        note_late(mode, t, {});
+    }
 }
 
 RBDYN_INLINE void AccuracyCheck::move_on(const Piece& piece, double place, double time) {
