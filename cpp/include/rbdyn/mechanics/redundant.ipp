@@ -26,13 +26,15 @@ RBDYN_INLINE std::vector<double> open_by(const Tree& tree, const Conditions& con
 RBDYN_INLINE std::vector<double> opening_rates(const Tree& tree, const Conditions& conditions,
                                                const std::vector<Moving<double>>& all) {
     const auto rows = conditions.rows<double>(tree, all);
+    const std::vector<double> measures = conditions.measures();
     std::vector<double> rates;
     for (const Condition& c : conditions.all()) {
         double squares = 0.0;
-        for (int r = c.first; r < c.first + c.rows(); ++r)
-            squares += std::pow(Conditions::rate(rows[static_cast<std::size_t>(r)], all), 2);
-        const double length = c.points == Condition::Points::distance ? static_cast<double>(c.length) : 1.0;
-        rates.push_back(std::sqrt(squares) / length);
+        for (int row = c.first; row < c.first + c.rows(); ++row) {
+            const auto r = static_cast<std::size_t>(row);
+            squares += std::pow(Conditions::rate(rows[r], all) / measures[r], 2);
+        }
+        rates.push_back(std::sqrt(squares));
     }
     return rates;
 }
@@ -61,7 +63,8 @@ inline std::vector<Moving<double>> resting(const Tree& tree, double t, const std
 /// Whether rows are closed at a place, to far less than a tolerance.
 inline bool is_closed(const Conditions& conditions, const Tree& tree, const std::vector<int>& rows,
                       const std::vector<Moving<double>>& all, double tolerance) {
-    return closing::largest(closing::chosen(conditions.gaps<double>(tree, all), rows)) <= 1e-3 * tolerance;
+    return closing::largest(closing::chosen(conditions.gaps<double>(tree, all), rows),
+                            closing::measures_of(conditions, rows)) <= 1e-3 * tolerance;
 }
 
 /// Some way along what the rows that are used allow, in a direction that is none of the scene's own, as far as they can
