@@ -182,8 +182,8 @@ RBDYN_INLINE double Scene::assemble(const std::vector<BodyHandle>& keep, double 
     const auto then = wide();
     const auto last_rows = mechanics::closing::of_constraints(conditions.rows<DoubleDouble>(tree, then), conditions);
     for (std::size_t r = 0; r < last_rows.size(); ++r)
-        off = std::max(off,
-                       std::abs(static_cast<double>(mechanics::Conditions::rate(last_rows[r], then))) / measures[r]);
+        off =
+            std::max(off, std::abs(static_cast<double>(mechanics::Conditions::rate(last_rows[r], then))) / measures[r]);
     take(then);
     require(off <= 1e-9 * std::max(fastest, 1e-300) || off == 0.0, "assemble", "rate of a gap", off,
             "rates that are kept or driven can be kept by the constraints; keep fewer bodies as they are, or give "

@@ -98,8 +98,7 @@ inline double longest_arm(const Tree& tree, const std::vector<Condition>& condit
         const auto& inertia = n.body.inertia;
         const double mass = static_cast<double>(n.mass);
         if (!n.is_point && mass > 0.0)
-            most = std::max(most,
-                            std::sqrt(static_cast<double>(inertia(0, 0) + inertia(1, 1) + inertia(2, 2)) / mass));
+            most = std::max(most, std::sqrt(static_cast<double>(inertia(0, 0) + inertia(1, 1) + inertia(2, 2)) / mass));
     }
     for (const Condition& c : conditions) {
         take(c.a);

@@ -167,8 +167,7 @@ RBDYN_INLINE std::optional<Critical> critical_near(const Tree& tree, const Condi
         search.move(change);
         // by twice as many digits with each change
         if (change.norm() > found) continue;
-        if (!(values[regular] <= vanishes * std::max(values[0], regular == 0 ? 1.0 : 0.0)))
-            return std::nullopt;
+        if (!(values[regular] <= vanishes * std::max(values[0], regular == 0 ? 1.0 : 0.0))) return std::nullopt;
         const std::vector<DoubleDouble> gaps = search.gaps();
         Critical result{std::vector<double>(static_cast<std::size_t>(count), 0.0), 0.0};
         for (int a = 0; a < tied; ++a) {

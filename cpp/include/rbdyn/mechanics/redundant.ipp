@@ -79,8 +79,8 @@ inline std::optional<Place> aside(const Tree& tree, const Conditions& conditions
         return closing::moving<double>(tree, t, all);
     };
     const auto here = resting(tree, t, x);
-    std::vector<double> direction;
-    for (int k = 0; k < tree.velocities(); ++k) direction.push_back(std::sin(1.0 + 2.3999632297286533 * k));
+    std::vector<double> direction = closing::ways(tree, here, size);
+    for (int k = 0; k < tree.velocities(); ++k) direction[place(k)] *= std::sin(1.0 + 2.3999632297286533 * k);
     const closing::Responses now(tree, conditions, rows, here);
     const auto speed_along = [&](const std::vector<double>& v) {
         // what driven joints add is none of it
@@ -185,8 +185,8 @@ RBDYN_INLINE std::vector<bool> held_still(const Tree& tree, const Conditions& co
         const closing::Responses responses(tree, conditions, rows, here);
         // two motions, of which no velocity is small
         for (const double pace : {2.3999632297286533, 1.6180339887498949}) {
-            std::vector<double> all = closing::nearest(q), way;
-            for (std::size_t k = 0; k < count; ++k) way.push_back(2.0 + std::sin(1.0 + pace * static_cast<double>(k)));
+            std::vector<double> all = closing::nearest(q), way = closing::ways(tree, here, size);
+            for (std::size_t k = 0; k < count; ++k) way[k] *= 2.0 + std::sin(1.0 + pace * static_cast<double>(k));
             std::copy(way.begin(), way.end(), all.begin() + tree.positions());
             const auto moving = closing::moving<double>(tree, t, all);
             std::vector<double> asked;

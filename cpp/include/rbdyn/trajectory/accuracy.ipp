@@ -148,11 +148,17 @@ RBDYN_INLINE Comparison AccuracyCheck::operator()(const Record& run, const Recor
     // rounding: what two runs share is not seen by comparing them
     const double steps = static_cast<double>(std::max<std::size_t>(run.entries().size(), 1));
     const double floor = std::numeric_limits<double>::epsilon() * std::sqrt(steps);
-    // of an error that is rounding for the most part nothing is worst
-    if (const double shared = widening_ * (floor + scales_.rounding()); worst != nullptr && result.error > shared)
-        result.worst = worst->what < 0 ? "the time of an event, " + text(worst->since) + " s"
-                                       : named_[static_cast<std::size_t>(worst->what)].words();
-    result.error += widening_ * (floor + scales_.rounding());
+    const double shared = widening_ * (floor + scales_.rounding());
+    const auto words_of = [&](int what) {
+        const auto k = static_cast<std::size_t>(what);
+        return what >= 0 && k < named_.size() ? named_[k].words() : std::string();
+    };
+    if (const int rounded = scales_.most_rounded(); rounded >= 0 && shared >= result.error) {
+        if (const std::string words = words_of(rounded); !words.empty()) result.worst = "the rounding of " + words;
+    } else if (worst != nullptr) {
+        result.worst = worst->what < 0 ? "the time of an event, " + text(worst->since) + " s" : words_of(worst->what);
+    }
+    result.error += shared;
     if (uncertain < near_end && better.end.hi < run.end.hi) result.same_events = false;
     if (!result.same_events) result.error = std::numeric_limits<double>::infinity();
     result.certain_until = std::min(result.certain_until, uncertain);
