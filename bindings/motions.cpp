@@ -168,7 +168,8 @@ void bind_constraint_motion(py::module_& m) {
         .def("torque", of_time<BoundConstraint>(&M::torque), py::arg("t"), py::arg("side") = after(),
              "On its first end, about the point it holds [N m], world axes.")
         .def("gap", of_time<BoundConstraint>(&M::gap), py::arg("t"), py::arg("side") = after(),
-             "How far its points are from where they should be [m], angles of its axes [rad] taken for metres.")
+             "How far its points are from where they should be [m], angles of its axes at the longest arm of what is "
+             "held.")
         .def("__repr__", [](const BoundConstraint& c) { return "<ConstraintMotion: " + c.name + ">"; });
 }
 

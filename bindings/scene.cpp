@@ -42,7 +42,8 @@ BodyHandle add(BoundScene& self, const AnyBody& body, const Joint& joint, const 
     if (!start)
         throw InvalidInput(std::holds_alternative<Particle>(body)
                                ? "Scene.add: a Particle has no attitude, and its joints are Free and Rail; this "
-                                 "one is for a RigidBody"
+                                 "one is for a RigidBody. A bob on a thread, of the world or of a body that moves, is "
+                                 "a Particle and a Rod: constrain(Rod(length), bob, point)"
                                : "Scene.add: a Rail guides a Particle; a RigidBody has the joints Free, "
                                  "Spherical, Revolute, Prismatic, Universal, Cylindrical, Planar and Fixed");
     const auto joined = parent ? self.handles.body(*parent, "Scene.add") : rbdyn::BodyHandle{};

@@ -3264,7 +3264,7 @@ class ConstraintMotion:
     @typing.overload
     def gap(self, t: _Number, side: typing.Literal['after', 'before'] = 'after') -> float:
         """
-        How far its points are from where they should be [m], angles of its axes [rad] taken for metres.
+        How far its points are from where they should be [m], angles of its axes at the longest arm of what is held.
         """
     def torque(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
         """

@@ -426,7 +426,8 @@ RBDYN_INLINE Solution solve(const HybridModel& model, const std::vector<double>&
             result.message =
                 "simulate: error " + text(options.error) + " was asked for and engine " + engine +
                 (comparison.same_events
-                     ? " reached " + text(is_better ? least_reached : comparison.error) + " in this motion"
+                     ? " reached " + text(is_better ? least_reached : comparison.error) + " in this motion" +
+                           (comparison.worst.empty() ? "" : ", at worst in " + comparison.worst)
                      : " cannot tell which events this motion has" + beside) +
                 (comparison.same_events && is_better ? " (" + text(comparison.error) + " in the run that is returned)"
                                                      : "") +

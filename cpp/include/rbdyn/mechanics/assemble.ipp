@@ -113,6 +113,13 @@ RBDYN_INLINE double Scene::assemble(const std::vector<BodyHandle>& keep, double 
         }
         return m;
     };
+    const std::vector<double> measures = conditions.measures();
+    // rows over their measures, and of what moves a size of the scene counts as a radian: the same in any unit
+    const auto scaled = [&](std::vector<std::vector<double>> m, const std::vector<double>& ways) {
+        for (std::size_t r = 0; r < m.size(); ++r)
+            for (std::size_t k = 0; k < m[r].size(); ++k) m[r][k] *= ways[k] / measures[r];
+        return m;
+    };
     double size = 0.0, left = 0.0;
     constexpr int most = 200;
     constexpr double longest = 0.5;  // of one step: in rad, and in sizes of the scene
@@ -128,25 +135,19 @@ RBDYN_INLINE double Scene::assemble(const std::vector<BodyHandle>& keep, double 
                 size, tree.feet()[k].part() * all[static_cast<std::size_t>(tree.size()) + k].joint.front().move.norm());
         const auto gaps = mechanics::closing::nearest(
             mechanics::closing::of_constraints(conditions.gaps<DoubleDouble>(tree, wide()), conditions));
-        left = mechanics::closing::largest(gaps);
+        left = mechanics::closing::largest(gaps, measures);
+        if (!(size > 0.0)) size = conditions.arm();
         if (left <= 1e-15 * size) break;
         std::vector<double> asked;
-        for (const double g : gaps) asked.push_back(-g);
+        for (std::size_t r = 0; r < gaps.size(); ++r) asked.push_back(-gaps[r] / measures[r]);
+        const std::vector<double> ways = mechanics::closing::ways(tree, all, size);
         std::vector<double> step = mechanics::smallest_solution(
-            locked(mechanics::jacobian(
-                tree, mechanics::closing::of_constraints(conditions.rows<double>(tree, all), conditions), all)),
+            scaled(locked(mechanics::jacobian(
+                       tree, mechanics::closing::of_constraints(conditions.rows<double>(tree, all), conditions), all)),
+                   ways),
             asked);
-        // what turns in radians, what moves in sizes
-        std::vector<bool> turns(step.size(), false);
-        for (int i = 0; i < tree.size(); ++i)
-            for (int k = 0; k < tree.node(i).joint.velocities(); ++k)
-                turns[static_cast<std::size_t>(tree.node(i).v + k)] =
-                    !all[static_cast<std::size_t>(i)].joint[static_cast<std::size_t>(k)].turn.isZero(0.0);
-        double length = 0.0;
-        for (std::size_t k = 0; k < step.size(); ++k)
-            length = std::max(length, std::abs(turns[k] || size == 0.0 ? step[k] : step[k] / size));
-        if (length > longest)
-            for (double& s : step) s *= longest / length;
+        const double length = mechanics::closing::largest(step);
+        for (std::size_t k = 0; k < step.size(); ++k) step[k] *= ways[k] * (length > longest ? longest / length : 1.0);
         mechanics::closing::move<DoubleDouble>(tree, start, step, x);
         mechanics::closing::normalize<DoubleDouble>(tree, x);
         if (length <= 1e-16 && pass > 5) break;
@@ -165,21 +166,24 @@ RBDYN_INLINE double Scene::assemble(const std::vector<BodyHandle>& keep, double 
     const auto now = mechanics::closing::moving<DoubleDouble>(tree, start, x);
     std::vector<double> asked;
     for (const auto& row : mechanics::closing::of_constraints(conditions.rows<DoubleDouble>(tree, now), conditions))
-        asked.push_back(-static_cast<double>(mechanics::Conditions::rate(row, now)));
+        asked.push_back(-static_cast<double>(mechanics::Conditions::rate(row, now)) / measures[asked.size()]);
     // of the rates that were given, too: what is held to stand still is left with rounding of them
     double fastest = 0.0, off = 0.0;
     const auto take = [&](const std::vector<mechanics::Moving<DoubleDouble>>& moving) {
         for (const auto& m : moving)
-            fastest = std::max(fastest, rounded(m.velocity).norm() + rounded(m.omega).norm() * std::max(1.0, size));
+            fastest = std::max(fastest, rounded(m.velocity).norm() + rounded(m.omega).norm() * size);
     };
     take(now);
+    const std::vector<double> ways = mechanics::closing::ways(tree, all, size);
     const std::vector<double> change =
-        mechanics::smallest_solution(locked(mechanics::jacobian(tree, rows, all)), asked);
-    for (int k = 0; k < tree.velocities(); ++k)
-        x[static_cast<std::size_t>(tree.positions() + k)] += change[static_cast<std::size_t>(k)];
+        mechanics::smallest_solution(scaled(locked(mechanics::jacobian(tree, rows, all)), ways), asked);
+    for (std::size_t k = 0; k < change.size(); ++k)
+        x[static_cast<std::size_t>(tree.positions()) + k] += change[k] * ways[k];
     const auto then = wide();
-    for (const auto& row : mechanics::closing::of_constraints(conditions.rows<DoubleDouble>(tree, then), conditions))
-        off = std::max(off, std::abs(static_cast<double>(mechanics::Conditions::rate(row, then))));
+    const auto last_rows = mechanics::closing::of_constraints(conditions.rows<DoubleDouble>(tree, then), conditions);
+    for (std::size_t r = 0; r < last_rows.size(); ++r)
+        off =
+            std::max(off, std::abs(static_cast<double>(mechanics::Conditions::rate(last_rows[r], then))) / measures[r]);
     take(then);
     require(off <= 1e-9 * std::max(fastest, 1e-300) || off == 0.0, "assemble", "rate of a gap", off,
             "rates that are kept or driven can be kept by the constraints; keep fewer bodies as they are, or give "
@@ -190,7 +194,7 @@ RBDYN_INLINE double Scene::assemble(const std::vector<BodyHandle>& keep, double 
         for (int k = 0; k < n.joint.velocities(); ++k) {
             const auto& twist = all[static_cast<std::size_t>(i)].joint[static_cast<std::size_t>(k)];
             DoubleDouble& v = x[static_cast<std::size_t>(tree.positions() + n.v + k)];
-            const double speed = (twist.move.norm() + twist.turn.norm() * std::max(1.0, size)) * std::abs(v.hi);
+            const double speed = (twist.move.norm() + twist.turn.norm() * size) * std::abs(v.hi);
             if (speed <= 1e-13 * fastest) v = 0.0;
         }
     }

@@ -88,11 +88,27 @@ inline double largest(const std::vector<double>& values) {
     for (const double v : values) most = std::max(most, std::abs(v));
     return most;
 }
+/// The same of gaps or rates of rows with measures, as lengths.
+inline double largest(const std::vector<double>& values, const std::vector<double>& measures) {
+    double most = 0.0;
+    for (std::size_t r = 0; r < values.size(); ++r) most = std::max(most, std::abs(values[r]) / measures[r]);
+    return most;
+}
+/// The measures of some rows.
+inline std::vector<double> measures_of(const Conditions& conditions, const std::vector<int>& rows) {
+    const std::vector<double> every = conditions.measures();
+    std::vector<double> result;
+    for (const int r : rows) result.push_back(every[static_cast<std::size_t>(r)]);
+    return result;
+}
 
 template <class W>
 std::vector<Moving<W>> moving(const Tree& tree, double t, const std::vector<W>& x) {
     return tree.moving<W>(W(t), x.data(), x.data() + tree.positions());
 }
+
+/// Of each velocity of a joint how much of it is a turn of a radian or a way of a length, of the scene [m].
+[[gnu::cold]] std::vector<double> ways(const Tree& tree, const std::vector<Moving<double>>& all, double length);
 
 /// How far from the origin bodies are [m], and not less than 0: what gaps are differences of.
 inline double extent(const std::vector<Moving<double>>& all) {
@@ -206,8 +222,8 @@ private:
                                                 const std::vector<Moving<double>>& all, std::size_t first = 0,
                                                 double rounding = 1e-11);
 
-/// How rows that are not used depend on those that are: for each a combination of all rows that is zero, its own part
-/// 1. Rows that do nothing are none of them.
+/// How rows that are not used depend on those that are: for each a combination of all rows, each over its measure, that
+/// is zero, its own part 1. Rows that do nothing are none of them.
 std::vector<std::vector<double>> dependences(const Tree& tree, const Conditions& conditions,
                                              const std::vector<int>& rows, const std::vector<Moving<double>>& all);
 /// The same of other rows than those of constraints that are not used.
@@ -215,7 +231,8 @@ std::vector<std::vector<double>> dependences(const Tree& tree, const Conditions&
                                              const std::vector<int>& rows, const std::vector<int>& unused,
                                              const std::vector<Moving<double>>& all);
 
-/// All variables moved onto the constraints, from where they are, in 32 digits. Returns the largest gap that is left.
+/// All variables moved onto the constraints, from where they are, in 32 digits. Returns the largest gap that is left
+/// [m].
 /// `most`: changes to try. `open`: of each row of constraints how far it stays open; nothing if empty (critical.hpp).
 [[gnu::cold]] double close(const Tree& tree, const Conditions& conditions, const std::vector<int>& rows, double t,
                            std::vector<DoubleDouble>& x, int most = 12, const std::vector<double>& open = {});
@@ -261,6 +278,7 @@ private:
     std::shared_ptr<const Tree> tree_;
     std::shared_ptr<const Conditions> conditions_;
     std::vector<int> rows_, closed_;
+    std::vector<double> measures_;  // of the second
     std::shared_ptr<const LazyRows> recorded_;
     mutable std::unique_ptr<RowValues> values_;
     double size_, near_;  // the second: a gap that one step of Newton's method closes to all digits [m]

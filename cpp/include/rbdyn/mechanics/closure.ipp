@@ -24,6 +24,18 @@ inline constexpr int passes = 6;
 
 }  // namespace closing
 
+RBDYN_INLINE std::vector<double> closing::ways(const Tree& tree, const std::vector<Moving<double>>& all,
+                                               double length) {
+    std::vector<double> result;
+    for (int i = 0; i < tree.size(); ++i)
+        for (int k = 0; k < tree.node(i).joint.velocities(); ++k) {
+            const auto& twist = all[static_cast<std::size_t>(i)].joint[static_cast<std::size_t>(k)];
+            const double size = std::hypot(twist.turn.norm(), length > 0.0 ? twist.move.norm() / length : 0.0);
+            result.push_back(size > 0.0 ? 1.0 / size : 1.0);
+        }
+    return result;
+}
+
 RBDYN_INLINE double closing::least_arm(const Tree& tree, const Conditions& conditions) {
     double least = 0.0;
     const auto take = [&](double one) {
@@ -54,11 +66,13 @@ RBDYN_INLINE std::vector<int> independent_rows(const Tree& tree, const Condition
     const closing::Responses responses(tree, conditions, candidates, all);
     auto a = responses.matrix();
     const std::size_t n = a.size();
+    const std::vector<double> measures = closing::measures_of(conditions, candidates);
     std::vector<double> own(n);
     double nothing = 0.0;
-    for (std::size_t i = 0; i < n; ++i) nothing = std::max(nothing, 1e-26 * a[i][i]);
+    for (std::size_t i = 0; i < n; ++i) nothing = std::max(nothing, 1e-26 * a[i][i] / (measures[i] * measures[i]));
     // between bodies that cannot move against each other a row does nothing, but for the square of rounding
-    for (std::size_t i = 0; i < n; ++i) own[i] = a[i][i] > std::max(nothing, responses.nothing(i)) ? a[i][i] : 0.0;
+    for (std::size_t i = 0; i < n; ++i)
+        own[i] = a[i][i] > std::max(nothing * measures[i] * measures[i], responses.nothing(i)) ? a[i][i] : 0.0;
     std::vector<int> chosen;
     std::vector<bool> is_used(n, false);
     // Cholesky's decomposition, the row next that keeps most of itself; what is left of dependent ones is rounding
@@ -104,21 +118,24 @@ RBDYN_INLINE std::vector<std::vector<double>> dependences(const Tree& tree, cons
     for (int r = 0; r < conditions.rows(); ++r) every[at(r)] = r;
     const closing::Responses responses(tree, conditions, every, all);
     const auto a = responses.matrix();
+    const std::vector<double> measures = conditions.measures();
+    const auto square = [&](int r) { return measures[at(r)] * measures[at(r)]; };
     std::vector<std::vector<double>> used;
     double most = 0.0;
     for (const int r : rows) {
         used.emplace_back();
         for (const int other : rows) used.back().push_back(a[at(r)][at(other)]);
-        most = std::max(most, a[at(r)][at(r)]);
+        most = std::max(most, a[at(r)][at(r)] / square(r));
     }
     for (const int r : unused) {
-        if (a[at(r)][at(r)] <= std::max(1e-24 * most, responses.nothing(at(r)))) continue;
+        if (a[at(r)][at(r)] <= std::max(1e-24 * most * square(r), responses.nothing(at(r)))) continue;
         std::vector<double> b;
         for (const int other : rows) b.push_back(a[at(other)][at(r)]);
         const std::vector<double> parts = solve_definite<double>(used, b);
         std::vector<double> combination(every.size(), 0.0);
         combination[at(r)] = 1.0;
-        for (std::size_t k = 0; k < rows.size(); ++k) combination[at(rows[k])] = -parts[k];
+        for (std::size_t k = 0; k < rows.size(); ++k)
+            combination[at(rows[k])] = -parts[k] * (measures[at(rows[k])] / measures[at(r)]);
         result.push_back(std::move(combination));
     }
     return result;
@@ -127,13 +144,14 @@ RBDYN_INLINE std::vector<std::vector<double>> dependences(const Tree& tree, cons
 RBDYN_INLINE double close(const Tree& tree, const Conditions& conditions, const std::vector<int>& rows, double t,
                           std::vector<DoubleDouble>& x, int most, const std::vector<double>& open) {
     const auto doubles = [&] { return closing::moving<double>(tree, t, closing::nearest(x)); };
+    const std::vector<double> measures = conditions.measures();
     double left = 0.0, before = std::numeric_limits<double>::infinity();
     tree.follow<DoubleDouble>(t, x.data());
     for (int pass = 0; pass < most; ++pass) {
         auto gaps = closing::of_constraints(
             conditions.gaps<DoubleDouble>(tree, closing::moving<DoubleDouble>(tree, t, x)), conditions);
         for (std::size_t r = 0; r < open.size(); ++r) gaps[r] -= open[r];
-        left = closing::largest(closing::nearest(gaps));
+        left = closing::largest(closing::nearest(gaps), measures);
         if (left == 0.0 || (pass > 3 && left >= before)) break;
         before = left;
         const closing::Responses now(tree, conditions, rows, doubles());
@@ -160,6 +178,7 @@ RBDYN_INLINE TreeProjection::TreeProjection(std::shared_ptr<const Tree> tree,
       conditions_(std::move(conditions)),
       rows_(std::move(rows)),
       closed_(std::move(closed)),
+      measures_(closing::measures_of(*conditions_, closed_)),
       recorded_(is_of_constraints() ? std::move(recorded) : nullptr),
       size_(size),
       near_(1e-9 * closing::least_arm(*tree_, *conditions_)) {}
@@ -197,7 +216,7 @@ void TreeProjection::close_gaps(const Asked& asked, const Changes& changes, doub
     double last = std::numeric_limits<double>::infinity();
     for (int pass = 0; pass < 3; ++pass) {
         const std::vector<double> now = asked();
-        const double left = closing::largest(now);
+        const double left = closing::largest(now, measures_);
         if (left <= rounding || left > 1e-3 * last) break;
         last = left;
         closing::move<Real>(*tree_, t, changes(now), wide);
@@ -248,7 +267,7 @@ RBDYN_INLINE Projection::Off TreeProjection::off(std::span<const double> x, std:
     closing::normalize<Real>(*tree_, wide);
     tree_->follow<Real>(t, wide.data());
     const auto all = closing::moving<Real>(*tree_, t, wide);
-    const double gap = closing::largest(closing::chosen(conditions_->gaps<Real>(*tree_, all), closed_));
+    const double gap = closing::largest(closing::chosen(conditions_->gaps<Real>(*tree_, all), closed_), measures_);
     const double extent = closing::extent(closing::moving<double>(*tree_, t, {x.begin(), x.end()}));
     return {gap / (0x1p-43 * size_ + 8.0 * std::numeric_limits<double>::epsilon() * extent), gap / size_};
 }

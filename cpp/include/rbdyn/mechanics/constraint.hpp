@@ -196,7 +196,14 @@ public:
         return gaps;
     }
 
-    /// How far the points and axes of a constraint are from where they should be: m, and rad with the length 1 m.
+    /// The longest arm of what constraints and contacts join, of points from what carries them, of centres and of
+    /// inertia, and no less than any length that they say [m]: it is the same wherever all of it is.
+    double arm() const { return arm_; }
+    /// What makes rows of different kinds compare, in any unit: a multiplier times this is a force [N], a gap over it a
+    /// length [m]. 1 of points, the length of a distance, and of what turns 1 over the arm.
+    std::vector<double> measures() const;
+
+    /// How far the points and axes of a constraint are from where they should be [m], angles at the arm.
     double gap(const Tree& tree, int index, const std::vector<Moving<double>>& all) const;
     /// The rate of a row from the motion of its bodies.
     template <class S>
@@ -318,6 +325,7 @@ private:
     std::vector<Resistance> resistances_;
     std::vector<Rubbing> joints_;
     int rows_ = 0;
+    double arm_ = 0.0;
     bool is_rough_ = false;
 };
 

@@ -86,6 +86,33 @@ inline ContactLaw law_of(const Scene::Touch& touch, const Tree& tree) {
     return c;
 }
 
+/// The longest arm (Conditions::arm).
+inline double longest_arm(const Tree& tree, const std::vector<Condition>& conditions,
+                          const std::vector<ContactLaw>& contacts) {
+    double most = 0.0;
+    const auto take = [&](const Anchor& end) {
+        if (end.body >= 0) most = std::max(most, safe_norm(rounded(end.point)));
+    };
+    for (const Node& n : tree.nodes()) {
+        most = std::max(most, safe_norm(rounded(n.center)));
+        const auto& inertia = n.body.inertia;
+        const double mass = static_cast<double>(n.mass);
+        if (!n.is_point && mass > 0.0)
+            most = std::max(most, std::sqrt(static_cast<double>(inertia(0, 0) + inertia(1, 1) + inertia(2, 2)) / mass));
+    }
+    for (const Condition& c : conditions) {
+        take(c.a);
+        take(c.b);
+        most = std::max(most, c.length.hi);
+    }
+    for (const ContactLaw& c : contacts) {
+        take(c.a);
+        take(c.b);
+        most = std::max(most, c.radius.hi);
+    }
+    return most;
+}
+
 /// Whether its plane starts across no axis of the world.
 inline bool leans(const ContactLaw& c, const std::vector<Moving<DoubleDouble>>& start) {
     if (c.surface != ContactLaw::Surface::plane) return false;
@@ -183,6 +210,25 @@ RBDYN_INLINE Conditions::Conditions(const Scene& scene, const Tree& tree,
         for (const ContactLaw& other : contacts_)
             if (shares(other) && other.never_slips()) c.beside.push_back(static_cast<int>(&other - contacts_.data()));
     }
+    arm_ = contacts::longest_arm(tree, conditions_, contacts_);
+}
+
+RBDYN_INLINE std::vector<double> Conditions::measures() const {
+    // what turns has an arm, if only that of inertia
+    const double turning = arm_ > 0.0 ? 1.0 / arm_ : 1.0;
+    std::vector<double> measures(static_cast<std::size_t>(rows()), 1.0);
+    const auto put = [&](int first, int count, double measure) {
+        std::fill_n(measures.begin() + first, count, measure);
+    };
+    for (const Condition& c : conditions_) {
+        const int angles = static_cast<int>(c.angles.size());
+        if (c.points == Condition::Points::distance) put(c.first, 1, c.length.hi);
+        put(c.first + c.rows() - angles, angles, turning);
+    }
+    put(first_of_resistances(), 2 * static_cast<int>(resistances_.size()), turning);
+    for (std::size_t i = 0; i < joints_.size(); ++i)
+        if (joints_[i].turns) put(joint_row(static_cast<int>(i)), 1, turning);
+    return measures;
 }
 
 RBDYN_INLINE void Conditions::tell_along(int constraint, const Vector3& last) {
@@ -206,8 +252,9 @@ RBDYN_INLINE double Conditions::gap(const Tree& tree, int index, const std::vect
     if (c.points == Condition::Points::curve)
         squares += (tree.point<double>(c.a, all).place - foot_of<double>(tree, c, all).place).squaredNorm();
     for (const Condition::RightAngle& angle : c.angles)
-        squares += std::pow(
-            dot<double>(ends.a.to_world(exactly<double>(angle.in_a)), ends.b.to_world(exactly<double>(angle.in_b))), 2);
+        squares += std::pow(arm_ * dot<double>(ends.a.to_world(exactly<double>(angle.in_a)),
+                                               ends.b.to_world(exactly<double>(angle.in_b))),
+                            2);
     return std::sqrt(squares);
 }
 

@@ -23,7 +23,8 @@ using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
 using Decomposition = Eigen::JacobiSVD<Matrix>;
 
-/// A state, and the time in units of its own.
+/// A state, with lengths in units of its reach and the time in one of its own: what is near and what vanishes is the
+/// same in any units.
 class Search {
 public:
     Search(const Tree& tree, const Conditions& conditions, double t, std::vector<DoubleDouble> x)
@@ -34,11 +35,15 @@ public:
             for (const Anchor* a : {&c.a, &c.b}) reach_ = std::max(reach_, tree_.point<double>(*a, all).place.norm());
         const double speed = fastest(all, reach_);
         unit_ = speed > 0.0 ? reach_ / speed : 1.0;
+        measures_ = conditions_.measures();
+        measures_.resize(static_cast<std::size_t>(conditions_.constraint_rows()));
+        for (double& one : measures_) one *= reach_ > 0.0 ? reach_ : 1.0;
+        ways_ = closing::ways(tree_, all, reach_);
     }
 
     std::size_t variables() const { return static_cast<std::size_t>(tree_.velocities()) + 1; }
 
-    /// The rows' rates for each velocity alone, then for the time.
+    /// The rates of the rows, each over its measure, for each velocity alone, then for the time.
     Matrix jacobian() const { return jacobian(t_, x_); }
     Matrix jacobian_at(const Vector& change) const {
         double t = t_;
@@ -47,8 +52,8 @@ public:
         return jacobian(t, x);
     }
     void move(const Vector& change) { move(change, t_, x_); }
-    /// How far from the origin anything is that constraints hold [m].
-    double reach() const { return reach_; }
+    /// Of each row what a length in units of the reach is of its gap.
+    const std::vector<double>& measures() const { return measures_; }
 
     std::vector<DoubleDouble> gaps() const {
         return closing::of_constraints(
@@ -69,7 +74,8 @@ public:
 
 private:
     void move(const Vector& change, double& t, std::vector<DoubleDouble>& x) const {
-        const std::vector<double> of_joints(change.data(), change.data() + tree_.velocities());
+        std::vector<double> of_joints(change.data(), change.data() + tree_.velocities());
+        for (std::size_t k = 0; k < of_joints.size(); ++k) of_joints[k] *= ways_[k];
         t += unit_ * change[tree_.velocities()];
         closing::move<DoubleDouble>(tree_, t, of_joints, x);
         closing::normalize<DoubleDouble>(tree_, x);
@@ -85,13 +91,14 @@ private:
         Matrix result(count, n + 1);
         for (int r = 0; r < count; ++r) result(r, n) = Conditions::rate(rows[static_cast<std::size_t>(r)], all);
         for (int k = 0; k < n; ++k) {
-            velocities[k] = 1.0;
+            velocities[k] = ways_[static_cast<std::size_t>(k)];
             const auto moving = closing::moving<double>(tree_, t, state);
             velocities[k] = 0.0;
             for (int r = 0; r < count; ++r)
                 result(r, k) = Conditions::rate(rows[static_cast<std::size_t>(r)], moving) - result(r, n);
         }
         result.col(n) *= unit_;
+        for (int r = 0; r < count; ++r) result.row(r) /= measures_[static_cast<std::size_t>(r)];
         return result;
     }
 
@@ -100,14 +107,15 @@ private:
     double t_;
     std::vector<DoubleDouble> x_;
     double reach_, unit_;
+    std::vector<double> measures_, ways_;  // of rows; of velocities
 };
 
 /// How many singular values are not about to vanish, of those that are as many as the rank elsewhere: up to where they
-/// drop most. `whole`: what one alone is held against.
-inline int regular_of(const Vector& values, int rank, double whole) {
+/// drop most; one alone is held against 1.
+inline int regular_of(const Vector& values, int rank) {
     int best = rank;
     double most = 10.0;
-    if (rank == 1 && whole > most * values[0]) return 0;
+    if (rank == 1 && 1.0 > most * values[0]) return 0;
     for (int k = 1; k < rank; ++k)
         if (const double drop = values[k - 1] / values[k]; drop > most) {
             most = drop;
@@ -134,7 +142,7 @@ RBDYN_INLINE std::optional<Critical> critical_near(const Tree& tree, const Condi
         if (!here.allFinite()) return std::nullopt;
         const critical::Decomposition parts(here, Eigen::ComputeFullU | Eigen::ComputeFullV);
         const Vector& values = parts.singularValues();
-        if (regular < 0) regular = critical::regular_of(values, most, search.reach());
+        if (regular < 0) regular = critical::regular_of(values, most);
         if (regular == most) return std::nullopt;
         const Matrix left = parts.matrixU().rightCols(count - regular), right = parts.matrixV().rightCols(n - regular);
         const int tied = count - regular, free = n - regular;
@@ -148,7 +156,8 @@ RBDYN_INLINE std::optional<Critical> critical_near(const Tree& tree, const Condi
         const Matrix off = left.transpose() * here * right;
         critical::Decomposition bent(bends, Eigen::ComputeThinU | Eigen::ComputeThinV);
         bent.setThreshold(1e-6);
-        const std::vector<double> rounded = closing::nearest(search.gaps());
+        std::vector<double> rounded = closing::nearest(search.gaps());
+        for (std::size_t r = 0; r < rounded.size(); ++r) rounded[r] /= search.measures()[r];
         const Vector open = Eigen::Map<const Vector>(rounded.data(), count);
         Vector change = right * bent.solve(-Eigen::Map<const Vector>(off.data(), tied * free));
         for (int k = 0; k < regular; ++k)
@@ -158,15 +167,17 @@ RBDYN_INLINE std::optional<Critical> critical_near(const Tree& tree, const Condi
         search.move(change);
         // by twice as many digits with each change
         if (change.norm() > found) continue;
-        if (!(values[regular] <= vanishes * std::max(values[0], regular == 0 ? search.reach() : 0.0)))
-            return std::nullopt;
+        if (!(values[regular] <= vanishes * std::max(values[0], regular == 0 ? 1.0 : 0.0))) return std::nullopt;
         const std::vector<DoubleDouble> gaps = search.gaps();
         Critical result{std::vector<double>(static_cast<std::size_t>(count), 0.0), 0.0};
         for (int a = 0; a < tied; ++a) {
             DoubleDouble sum(0.0);
-            for (int r = 0; r < count; ++r) sum += gaps[static_cast<std::size_t>(r)] * DoubleDouble(left(r, a));
             for (int r = 0; r < count; ++r)
-                result.open[static_cast<std::size_t>(r)] += left(r, a) * static_cast<double>(sum);
+                sum += gaps[static_cast<std::size_t>(r)] *
+                       DoubleDouble(left(r, a) / search.measures()[static_cast<std::size_t>(r)]);
+            for (int r = 0; r < count; ++r)
+                result.open[static_cast<std::size_t>(r)] +=
+                    left(r, a) * search.measures()[static_cast<std::size_t>(r)] * static_cast<double>(sum);
         }
         const std::vector<double> sizes = search.sizes();
         for (std::size_t r = 0; r < sizes.size(); ++r)

@@ -17,9 +17,9 @@
 
 namespace rbdyn::inline RBDYN_FORM::mechanics {
 
-/// How far each constraint is open: m, and rad with the length 1 m.
+/// How far each constraint is open [m], angles at the arm of the conditions.
 std::vector<double> open_by(const Tree& tree, const Conditions& conditions, const std::vector<Moving<double>>& all);
-/// How fast each constraint opens: m/s, and rad/s with the length 1 m.
+/// How fast each constraint opens [m/s], angles as above.
 std::vector<double> opening_rates(const Tree& tree, const Conditions& conditions,
                                   const std::vector<Moving<double>>& all);
 

@@ -26,13 +26,15 @@ RBDYN_INLINE std::vector<double> open_by(const Tree& tree, const Conditions& con
 RBDYN_INLINE std::vector<double> opening_rates(const Tree& tree, const Conditions& conditions,
                                                const std::vector<Moving<double>>& all) {
     const auto rows = conditions.rows<double>(tree, all);
+    const std::vector<double> measures = conditions.measures();
     std::vector<double> rates;
     for (const Condition& c : conditions.all()) {
         double squares = 0.0;
-        for (int r = c.first; r < c.first + c.rows(); ++r)
-            squares += std::pow(Conditions::rate(rows[static_cast<std::size_t>(r)], all), 2);
-        const double length = c.points == Condition::Points::distance ? static_cast<double>(c.length) : 1.0;
-        rates.push_back(std::sqrt(squares) / length);
+        for (int row = c.first; row < c.first + c.rows(); ++row) {
+            const auto r = static_cast<std::size_t>(row);
+            squares += std::pow(Conditions::rate(rows[r], all) / measures[r], 2);
+        }
+        rates.push_back(std::sqrt(squares));
     }
     return rates;
 }
@@ -61,7 +63,8 @@ inline std::vector<Moving<double>> resting(const Tree& tree, double t, const std
 /// Whether rows are closed at a place, to far less than a tolerance.
 inline bool is_closed(const Conditions& conditions, const Tree& tree, const std::vector<int>& rows,
                       const std::vector<Moving<double>>& all, double tolerance) {
-    return closing::largest(closing::chosen(conditions.gaps<double>(tree, all), rows)) <= 1e-3 * tolerance;
+    return closing::largest(closing::chosen(conditions.gaps<double>(tree, all), rows),
+                            closing::measures_of(conditions, rows)) <= 1e-3 * tolerance;
 }
 
 /// Some way along what the rows that are used allow, in a direction that is none of the scene's own, as far as they can
@@ -76,8 +79,8 @@ inline std::optional<Place> aside(const Tree& tree, const Conditions& conditions
         return closing::moving<double>(tree, t, all);
     };
     const auto here = resting(tree, t, x);
-    std::vector<double> direction;
-    for (int k = 0; k < tree.velocities(); ++k) direction.push_back(std::sin(1.0 + 2.3999632297286533 * k));
+    std::vector<double> direction = closing::ways(tree, here, size);
+    for (int k = 0; k < tree.velocities(); ++k) direction[place(k)] *= std::sin(1.0 + 2.3999632297286533 * k);
     const closing::Responses now(tree, conditions, rows, here);
     const auto speed_along = [&](const std::vector<double>& v) {
         // what driven joints add is none of it
@@ -182,8 +185,8 @@ RBDYN_INLINE std::vector<bool> held_still(const Tree& tree, const Conditions& co
         const closing::Responses responses(tree, conditions, rows, here);
         // two motions, of which no velocity is small
         for (const double pace : {2.3999632297286533, 1.6180339887498949}) {
-            std::vector<double> all = closing::nearest(q), way;
-            for (std::size_t k = 0; k < count; ++k) way.push_back(2.0 + std::sin(1.0 + pace * static_cast<double>(k)));
+            std::vector<double> all = closing::nearest(q), way = closing::ways(tree, here, size);
+            for (std::size_t k = 0; k < count; ++k) way[k] *= 2.0 + std::sin(1.0 + pace * static_cast<double>(k));
             std::copy(way.begin(), way.end(), all.begin() + tree.positions());
             const auto moving = closing::moving<double>(tree, t, all);
             std::vector<double> asked;

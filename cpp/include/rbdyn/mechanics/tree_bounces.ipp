@@ -198,12 +198,13 @@ RBDYN_INLINE void TreeModel::meet(double t, std::span<double> x, std::span<doubl
     rows = mechanics::independent_rows(*tree_, *conditions_, rows, now, rows_.size());
     const mechanics::closing::Responses responses(*tree_, *conditions_, rows, now);
     std::vector<DoubleDouble> wide = bouncing::wide(x, rest);
+    const std::vector<double> measures = mechanics::closing::measures_of(*conditions_, rows);
     double before = std::numeric_limits<double>::infinity();
     for (int pass = 0; pass < 4; ++pass) {
         const auto gaps =
             conditions_->gaps<DoubleDouble>(*tree_, mechanics::closing::moving<DoubleDouble>(*tree_, t, wide));
         const std::vector<double> asked = mechanics::closing::chosen(gaps, rows);
-        const double left = mechanics::closing::largest(asked);
+        const double left = mechanics::closing::largest(asked, measures);
         // as far as they get smaller: beyond that it is rounding
         if (left == 0.0 || left > 1e-2 * before) break;
         before = left;

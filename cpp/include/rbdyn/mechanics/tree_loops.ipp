@@ -60,7 +60,8 @@ RBDYN_INLINE double TreeModel::size_of(const std::vector<mechanics::Moving<doubl
         for (const double side : {-1.0, 1.0})
             take(foot.place + foot.joint.front().move * (side * tree_->feet()[k].part()));
     }
-    return (high - low).norm();
+    const double size = (high - low).norm();
+    return size > 0.0 ? size : conditions_->arm();
 }
 
 RBDYN_INLINE std::vector<DoubleDouble> TreeModel::exact_start(double t) const {
@@ -224,7 +225,8 @@ RBDYN_INLINE std::optional<Acting> TreeModel::acting_near_singular(const Mode& m
     const auto closed = mechanics::closing::moving<DoubleDouble>(*tree_, t, there);
     auto gaps = conditions_->gaps<DoubleDouble>(*tree_, closed);
     for (std::size_t r = 0; r < stays.size(); ++r) gaps[r] -= stays[r];
-    const double open = mechanics::closing::largest(mechanics::closing::chosen(gaps, rows));
+    const double open = mechanics::closing::largest(mechanics::closing::chosen(gaps, rows),
+                                                    mechanics::closing::measures_of(*conditions_, rows));
     if (!(open <= 1e-24 * size_of(moving(t, x)))) return std::nullopt;
     return acting_widely(mode, t, there);
 }

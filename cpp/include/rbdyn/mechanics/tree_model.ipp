@@ -409,7 +409,9 @@ RBDYN_INLINE void TreeModel::observe(const Mode& mode, double t, std::span<const
     // how quickly a body, or one that carries it, could begin to turn by the forces on it [rad/s]
     std::vector<double> paces(at(bodies()), 0.0);
     const double late = contacts() > 0 ? 16.0 * epsilon * (std::abs(t) + ahead()) : 0.0;
+    std::vector<std::size_t> firsts;  // of what is seen of each body
     for (int i = 0; i < bodies(); ++i) {
+        firsts.push_back(out.size());
         const mechanics::TreeState::Body& b = state.bodies[at(i)];
         const mechanics::Moving<double>& m = state.moving[at(i)];
         const mechanics::Node& n = tree_->node(i);
@@ -473,6 +475,10 @@ RBDYN_INLINE void TreeModel::observe(const Mode& mode, double t, std::span<const
         }
         held(moment, b.effort.moment.norm(), Alike::torque);
     }
+    for (std::size_t k = 0, i = 0; k < out.size(); ++k) {
+        while (i + 1 < firsts.size() && firsts[i + 1] <= k) ++i;
+        out[k].of = &tree_->node(static_cast<int>(i)).name;
+    }
     // a force is a difference of what acts on what it joins
     const auto effort = [&](const mechanics::Anchor& a, const mechanics::Anchor& b) {
         Wrench<double> most;
@@ -501,6 +507,8 @@ RBDYN_INLINE void TreeModel::observe(const Mode& mode, double t, std::span<const
                                        mechanics::speed_rounding(speed_of(k, state.moving), size_of(k, state.moving)));
         out.push_back({c.force, false, 0.0, most, Alike::force});
         out.back().part = slips.of_contact(k);
+        out.back().of = &law.name;
+        out.back().is_of_joint = false;
     }
     for (std::size_t k = 0; k < state.constraints.size(); ++k) {
         const ConstraintReport& c = state.constraints[k];
@@ -512,6 +520,8 @@ RBDYN_INLINE void TreeModel::observe(const Mode& mode, double t, std::span<const
                                                   std::tuple(c.torque, most.moment.norm(), Alike::torque)}) {
             out.push_back({value * counts, false, 0.0, std::max(value.norm(), whole), alike});
             out.back().part = slips.between(law.a.body, law.b.body);
+            out.back().of = &law.name;
+            out.back().is_of_joint = false;
         }
     }
 }

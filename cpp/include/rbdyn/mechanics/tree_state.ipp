@@ -92,17 +92,19 @@ RBDYN_INLINE TreeState::TreeState(const Tree& given, const Conditions& condition
     std::vector<double> multipliers(at(conditions.rows()), 0.0);
     for (const int r : rows) multipliers[at(r)] = *next++;
     if (const auto loose = dependences(tree, conditions, rows, moving); !loose.empty()) {
-        // of all that give this motion those of least norm: nothing along what changes nothing
+        // of all that give this motion those of least norm, all of them as forces: nothing along what changes nothing
+        const std::vector<double> measures = conditions.measures();
         std::vector<std::vector<double>> a(loose.size(), std::vector<double>(loose.size(), 0.0));
         std::vector<double> b(loose.size(), 0.0);
         for (std::size_t i = 0; i < loose.size(); ++i)
             for (std::size_t r = 0; r < multipliers.size(); ++r) {
-                b[i] += loose[i][r] * multipliers[r];
+                b[i] += loose[i][r] * (multipliers[r] * measures[r]);
                 for (std::size_t j = 0; j < loose.size(); ++j) a[i][j] += loose[i][r] * loose[j][r];
             }
         const std::vector<double> parts = solve_definite<double>(std::move(a), std::move(b));
         for (std::size_t i = 0; i < loose.size(); ++i)
-            for (std::size_t r = 0; r < multipliers.size(); ++r) multipliers[r] -= parts[i] * loose[i][r];
+            for (std::size_t r = 0; r < multipliers.size(); ++r)
+                multipliers[r] -= parts[i] * (loose[i][r] / measures[r]);
     }
     // what constraints exert
     std::vector<Wrench<double>> held(moving.size());

@@ -1,6 +1,8 @@
 // What the accuracy of a motion is judged by: what models show of it, each with the sizes it is measured against.
 #pragma once
 
+#include <string>
+
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/model/equations.hpp"
@@ -20,6 +22,24 @@ struct Observed {
     double none = 0.0;   // of its error, what is rounding that is not told
     double from = 0.0;   // of a place, from how far it is held: as `whole`, but its rounding is not told
     double gyration = 0.0;  // m, of an axis: by what is seen after it and before, it is measured (error_scales.hpp)
+    const std::string* of = nullptr;  // the name of what it is seen of, which the model owns
+    bool is_of_joint = true;          // a force or torque: of the joint of a body; else of a constraint or contact
+
+    /// What it is, in words; empty of what has no name.
+    std::string words() const {
+        if (of == nullptr) return {};
+        const auto quantity = [&] {
+            switch (alike) {
+                case Alike::place: return "position";
+                case Alike::velocity: return "velocity";
+                case Alike::turning: return "angular velocity";
+                case Alike::force: return is_of_joint ? "reaction" : "force";
+                case Alike::torque: return is_of_joint ? "reaction torque" : "torque";
+                default: return is_position ? "angle" : "attitude";
+            }
+        };
+        return std::string("the ") + quantity() + " of " + *of;
+    }
 };
 
 }  // namespace rbdyn::inline RBDYN_FORM

@@ -3,7 +3,9 @@
 
 #include "rbdyn/special/door.hpp"
 
+#include <cstddef>
 #include <memory>
+#include <string>
 #include <tuple>
 #include <variant>
 
@@ -15,6 +17,7 @@
 #include "rbdyn/curve/curve.hpp"
 #include "rbdyn/scene/couplings.hpp"
 #include "rbdyn/scene/handles.hpp"
+#include "rbdyn/scene/joint_loads.hpp"
 #include "rbdyn/scene/joints.hpp"
 #include "rbdyn/scene/loads.hpp"
 #include "rbdyn/special/closed_motion.hpp"
@@ -57,12 +60,33 @@ RBDYN_INLINE std::shared_ptr<const SceneModel> special_model(const Scene& scene,
     return std::make_shared<const SpecialModel>(scene, view, true, numbers);
 }
 
+namespace doors {
+
+/// What makes a scene one of bodies joined to bodies, whose equations are not looked at.
+inline std::string why_joined(const Scene& scene) {
+    if (!scene.contacts().empty()) return "contacts have none here";
+    if (!scene.constraints().empty()) return "constraints have none here";
+    for (const Scene::Body& b : scene.bodies()) {
+        if (b.parent >= 0) return "bodies joined to bodies have none here";
+        if (friction_in(b.joint)) return "friction in joints has none here";
+        if (is_driven(b.joint)) return "joints that are driven have none here";
+    }
+    for (const Scene::AppliedLoad& l : scene.loads())
+        if (std::holds_alternative<JointTorque>(l.load) || std::holds_alternative<JointForce>(l.load)) {
+            const Scene::Body& b = scene.bodies()[static_cast<std::size_t>(l.body)];
+            return "loads along joints have none here, be they linear; " +
+                   std::string(std::holds_alternative<Prismatic>(b.joint) ? "a Force on " : "a Torque on ") + b.name +
+                   " along its axis does the same and may have one";
+        }
+    return "joints other than hinges, slides, balls and rails have none here";
+}
+
+}  // namespace doors
+
 RBDYN_INLINE FoundForm closed_form(const Scene& scene, const SceneModel& model, bool any_rigid) {
     FoundForm found;
     const SpecialModel* special = dynamic_cast<const SpecialModel*>(&model);
-    if (special == nullptr)
-        return {nullptr,
-                scene.contacts().empty() ? "bodies joined to bodies have none here" : "contacts have none here"};
+    if (special == nullptr) return {nullptr, doors::why_joined(scene)};
     if (any_rigid) std::tie(found.form, found.why_not) = closed_motion(scene, special->laws());
     if (found.form) return found;
     FoundForm linear = linear_motion(scene, *special);

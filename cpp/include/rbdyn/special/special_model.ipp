@@ -362,7 +362,11 @@ RBDYN_INLINE void SpecialModel::observe(const Mode& mode, double t, std::span<co
                                         std::vector<Observed>& out) const {
     out.clear();
     const Moment moment(*this, mode, t, x);
-    for (const auto& law : laws_->bodies()) law->observe(moment.now, out);
+    for (const auto& law : laws_->bodies()) {
+        const std::size_t first = out.size();
+        law->observe(moment.now, out);
+        for (std::size_t k = first; k < out.size(); ++k) out[k].of = &law->name;
+    }
 }
 
 RBDYN_INLINE double SpecialModel::guard_value(const Guard& guard, const Mode& mode, double t,

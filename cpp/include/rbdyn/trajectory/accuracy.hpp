@@ -11,6 +11,7 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "rbdyn/basics/form.hpp"
@@ -34,6 +35,7 @@ struct Comparison {
     std::vector<Event> grazes = {};  // of the run alone: holds of no length, which are none
     bool stopped = false;            // by whoever was asked whether to proceed
     ErrorScales scales = {};         // of the motion
+    std::string worst = {};          // what is farthest off, in words; empty if nothing has a name
     // what was found, and nothing added to it: of the motion up to the first event that differs, and of the times of
     // events up to there; and how many events each of the two has
     double motion_difference = 0.0, event_difference = 0.0;
@@ -174,7 +176,7 @@ private:
     std::vector<Difference> differences_;  // of events, and of what is observed each that is larger than all before
     std::vector<double> largest_[2];       // of either kind
     ErrorScales scales_;
-    std::vector<Observed> seen_, fine_;
+    std::vector<Observed> seen_, fine_, named_;  // the last: of each as it was when it was farthest off
 };
 
 }  // namespace rbdyn::inline RBDYN_FORM

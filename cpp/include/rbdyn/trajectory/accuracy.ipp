@@ -12,10 +12,12 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/basics/error.hpp"
 #include "rbdyn/basics/instant.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/closed_form/closed_form.hpp"
@@ -44,6 +46,7 @@ RBDYN_INLINE Comparison AccuracyCheck::operator()(const Record& run, const Recor
     last_ = run.start;
     samples_ = 0;
     scales_.clear();
+    named_.clear();
     if (before_ != nullptr) scales_ = before_->scales;
     const double start = before_ != nullptr ? before_->origin : run.start;
     start_ = start;
@@ -125,6 +128,7 @@ RBDYN_INLINE Comparison AccuracyCheck::operator()(const Record& run, const Recor
         double part, growth, found = std::numeric_limits<double>::epsilon();
     };
     std::array<Early, 2> earlies{{{first_part, 100.0}, {1.0 / 32.0, 2000.0}}};
+    const Difference* worst = nullptr;
     for (const Difference& d : differences_) {
         const double found = d.what < 0 ? d.value : scales_.relative(static_cast<std::size_t>(d.what), d.value);
         double& difference = d.what < 0 ? result.event_difference : result.motion_difference;
@@ -134,6 +138,7 @@ RBDYN_INLINE Comparison AccuracyCheck::operator()(const Record& run, const Recor
                 if (d.since - start < early.part * span) early.found = std::max(early.found, found);
         }
         const double error = widening_ * found;
+        if (error > result.error) worst = &d;
         result.error = std::max(result.error, error);
         if (error > wanted_) uncertain = std::min(uncertain, d.since);
     }
@@ -144,7 +149,17 @@ RBDYN_INLINE Comparison AccuracyCheck::operator()(const Record& run, const Recor
     // rounding: what two runs share is not seen by comparing them
     const double steps = static_cast<double>(std::max<std::size_t>(run.entries().size(), 1));
     const double floor = std::numeric_limits<double>::epsilon() * std::sqrt(steps);
-    result.error += widening_ * (floor + scales_.rounding());
+    const double shared = widening_ * (floor + scales_.rounding());
+    const auto words_of = [&](int what) {
+        const auto k = static_cast<std::size_t>(what);
+        return what >= 0 && k < named_.size() ? named_[k].words() : std::string();
+    };
+    if (const int rounded = scales_.most_rounded(); rounded >= 0 && shared >= result.error) {
+        if (const std::string words = words_of(rounded); !words.empty()) result.worst = "the rounding of " + words;
+    } else if (worst != nullptr) {
+        result.worst = worst->what < 0 ? "the time of an event, " + text(worst->since) + " s" : words_of(worst->what);
+    }
+    result.error += shared;
     if (uncertain < near_end && better.end.hi < run.end.hi) result.same_events = false;
     if (!result.same_events) result.error = std::numeric_limits<double>::infinity();
     result.certain_until = std::min(result.certain_until, uncertain);
@@ -463,12 +478,14 @@ RBDYN_INLINE bool AccuracyCheck::is_doubtful() const {
 RBDYN_INLINE void AccuracyCheck::note(double weight, bool is_shared, bool has_forces) {
     std::vector<double>& largest = largest_[is_shared ? 1 : 0];
     largest.resize(fine_.size(), -1.0);
+    if (named_.size() < fine_.size()) named_.resize(fine_.size());
     for (std::size_t k = 0; k < fine_.size(); ++k) {
         if (!has_forces && is_force(fine_[k])) continue;
         const double off = safe_norm(seen_[k].value - fine_[k].value) - fine_[k].none,
                      value = off < 0.0 ? 0.0 : weight * fine_[k].part * off;
         if (!(value > largest[k])) continue;
         largest[k] = value;
+        named_[k] = fine_[k];
         differences_.push_back({last_, value, static_cast<int>(k), is_shared});
     }
 }

@@ -36,10 +36,13 @@ public:
 
     /// A difference over its scale.
     double relative(std::size_t what, double difference) const;
-    /// What the rounding of sums of a few terms is over their scales.
+    /// What the rounding of sums of a few terms is over their scales; and of which it is most, -1: of none.
     double rounding() const;
+    int most_rounded() const;
 
 private:
+    double rounding_of(std::size_t what) const;
+
     struct Scale {
         Vector3 low = Vector3::Constant(std::numeric_limits<double>::infinity());
         Vector3 high = Vector3::Constant(-std::numeric_limits<double>::infinity());

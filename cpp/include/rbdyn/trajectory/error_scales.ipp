@@ -119,10 +119,24 @@ RBDYN_INLINE double ErrorScales::relative(std::size_t what, double difference) c
 }
 
 RBDYN_INLINE double ErrorScales::rounding() const {
+    const int most = most_rounded();
+    return most >= 0 ? rounding_of(static_cast<std::size_t>(most)) : 0.0;
+}
+
+RBDYN_INLINE int ErrorScales::most_rounded() const {
+    int most = -1;
     double worst = 0.0;
-    for (const Scale& s : scales_)
-        if (s.is_any) worst = std::max(worst, std::numeric_limits<double>::epsilon() * s.whole / s.scale);
-    return worst;
+    for (std::size_t k = 0; k < scales_.size(); ++k)
+        if (const double one = rounding_of(k); one > worst) {
+            worst = one;
+            most = static_cast<int>(k);
+        }
+    return most;
+}
+
+RBDYN_INLINE double ErrorScales::rounding_of(std::size_t what) const {
+    const Scale& s = scales_[what];
+    return s.is_any ? std::numeric_limits<double>::epsilon() * s.whole / s.scale : 0.0;
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM
