@@ -56,7 +56,9 @@ py::array numpy_array(py::handle value, PyObject* type, int flags) {
     PyObject* const array =
         numpy.PyArray_FromAny_(value.ptr(), type, 0, 0, py::detail::npy_api::NPY_ARRAY_ENSUREARRAY_ | flags, nullptr);
     if (array == nullptr) {
-        if (PyErr_ExceptionMatches(PyExc_Exception) == 0) throw py::error_already_set();
+        // where memory ran out NumPy says for what
+        if (PyErr_ExceptionMatches(PyExc_Exception) == 0 || PyErr_ExceptionMatches(PyExc_MemoryError) != 0)
+            throw py::error_already_set();
         PyErr_Clear();
     }
     return py::reinterpret_steal<py::array>(array);
@@ -108,14 +110,30 @@ Vector3 vector3(py::handle value, const std::string& object, const std::string& 
     return {array.at(0), array.at(1), array.at(2)};
 }
 
+Vector3 finite_vector3(py::handle value, const std::string& object, const std::string& what) {
+    const Vector3 v = vector3(value, object, what);
+    for (int i = 0; i < 3; ++i)
+        rbdyn::require(std::isfinite(v[i]), object, "component " + std::to_string(i) + " of " + what, v[i],
+                       "it is finite; give it in SI units");
+    return v;
+}
+
 std::vector<Vector3> rows(py::handle value, const std::string& object, const std::string& what,
                           const std::string& rule) {
     const Array a = doubles(value, object, what);
     if (a.ndim() != 2 || a.shape(1) != 3)
         throw InvalidInput(object + ": " + what + " has shape " + shape_of(a) + "; it is (n, 3), " + rule);
-    std::vector<Vector3> result;
-    for (py::ssize_t k = 0; k < a.shape(0); ++k) result.emplace_back(a.at(k, 0), a.at(k, 1), a.at(k, 2));
-    return result;
+    const double* const x = a.data();
+    const auto count = static_cast<std::size_t>(a.shape(0));
+    return unlocked([&] {
+        std::vector<Vector3> result;
+        result.reserve(count);
+        for (std::size_t k = 0; k < count; ++k) {
+            if (k % 1024 == 0) rbdyn::Interruption::point();
+            result.emplace_back(x[3 * k], x[3 * k + 1], x[3 * k + 2]);
+        }
+        return result;
+    });
 }
 
 std::vector<double> list_of_doubles(py::handle value, const std::string& object, const std::string& what) {
@@ -169,8 +187,13 @@ Values over_both(const ArrayLike& first, const ArrayLike& second, const std::str
 
 py::array_t<double> rows_of(const std::vector<Vector3>& vectors) {
     py::array_t<double> result({static_cast<py::ssize_t>(vectors.size()), py::ssize_t{3}});
-    double* out = result.mutable_data();
-    for (const Vector3& v : vectors) out = std::copy_n(v.data(), 3, out);
+    double* const out = result.mutable_data();
+    unlocked([&] {
+        for (std::size_t k = 0; k < vectors.size(); ++k) {
+            if (k % 1024 == 0) rbdyn::Interruption::point();
+            std::copy_n(vectors[k].data(), 3, out + 3 * k);
+        }
+    });
     return result;
 }
 

@@ -1,5 +1,7 @@
 // Attitudes in any form, and Euler angles.
+#include <cmath>
 #include <rbdyn/rotation/attitude.hpp>
+#include <utility>
 
 #include "binding.hpp"
 
@@ -18,7 +20,22 @@ py::array_t<double> to_array(const Quaternion& q) {
 }
 
 /// Angles, rates or second derivatives, in the order theta, psi, phi.
-Vector3 triple(const ArrayLike& value, const char* what) { return vector3(value, "EulerAngles", what); }
+Vector3 triple(const ArrayLike& value, const char* what) { return finite_vector3(value, "EulerAngles", what); }
+
+/// Angles that are asked for what derives from them.
+const EulerAngles& finite(const EulerAngles& a) {
+    for (const auto& [name, angle] : {std::pair{"theta", a.theta}, std::pair{"psi", a.psi}, std::pair{"phi", a.phi}})
+        rbdyn::require(std::isfinite(angle), "EulerAngles", name, angle, "it is finite; give it in rad");
+    return a;
+}
+
+/// What came of finite numbers.
+Vectors told(const Vector3& v, const char* what) {
+    require_finite(
+        v, "EulerAngles", [&] { return "a component of " + std::string(what); },
+        [] { return std::string("it is beyond what a double holds; give smaller numbers, in SI units"); });
+    return Vectors(to_python(v));
+}
 
 }  // namespace
 
@@ -76,25 +93,26 @@ is no rotation to within 1e-6.)")
             "R, (3, 3): its columns are the body's axes in the world. Raises InvalidInput unless the angles are "
             "finite.")
         .def_property_readonly(
-            "matrix", [](const EulerAngles& a) { return to_array(Matrix3(euler_matrix(a))); },
+            "matrix", [](const EulerAngles& a) { return to_array(Matrix3(euler_matrix(finite(a)))); },
             "A of eq. 7.51, (3, 3): omega in body axes = A (theta', psi', phi'); det A = sin(theta).")
         .def(
             "angular_velocity",
             [](const EulerAngles& a, const ArrayLike& rates) {
-                return Vectors(to_python(angular_velocity(a, triple(rates, "rates"))));
+                return told(angular_velocity(finite(a), triple(rates, "rates")), "the angular velocity");
             },
             py::arg("rates"), "omega in body axes [rad/s] from theta', psi', phi' (eq. 7.49).")
         .def(
             "angular_acceleration",
             [](const EulerAngles& a, const ArrayLike& rates, const ArrayLike& second) {
-                return Vectors(to_python(angular_acceleration(a, triple(rates, "rates"), triple(second, "second"))));
+                return told(angular_acceleration(finite(a), triple(rates, "rates"), triple(second, "second")),
+                            "the angular acceleration");
             },
             py::arg("rates"), py::arg("second"),
             "omega' in body axes [rad/s^2] from the rates and theta'', psi'', phi'' (eq. 7.50).")
         .def(
             "rates",
             [](const EulerAngles& a, const ArrayLike& omega) {
-                return Vectors(to_python(euler_rates(a, triple(omega, "angular_velocity"))));
+                return Vectors(to_python(euler_rates(finite(a), triple(omega, "angular_velocity"))));
             },
             py::arg("angular_velocity"),
             R"(theta', psi', phi' [rad/s] from omega in body axes (eq. 7.49).
@@ -104,8 +122,12 @@ nutation.)")
         .def(
             "right_side",
             [](const EulerAngles& a, const ArrayLike& rates, const ArrayLike& moments, const ArrayLike& torque) {
-                return Vectors(to_python(
-                    euler_right_side(a, triple(rates, "rates"), triple(moments, "moments"), triple(torque, "torque"))));
+                const Vector3 about = triple(moments, "moments");
+                for (int i = 0; i < 3; ++i)
+                    rbdyn::require(about[i] > 0.0, "EulerAngles", "moments[" + std::to_string(i) + "]", about[i],
+                                   "a principal moment is positive, in kg m^2");
+                return told(euler_right_side(finite(a), triple(rates, "rates"), about, triple(torque, "torque")),
+                            "the right side");
             },
             py::arg("rates"), py::arg("moments"), py::arg("torque"),
             R"(b of eq. 7.52 [rad/s^2], its sign corrected: A (theta'', psi'', phi'') = b.

@@ -7,6 +7,7 @@
 #include <pybind11/typing.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -131,7 +132,8 @@ std::string plain(py::handle text);
 std::string shown(py::handle value);
 /// (3,), as Python writes it.
 std::string shape_of(const py::array& array);
-/// As an array of the flags and type given; none if it cannot be. Ctrl-C meanwhile is no reason for that, and goes on.
+/// As an array of the flags and type given; none if it cannot be. Ctrl-C meanwhile, or a lack of memory, is no reason
+/// for that, and goes on.
 py::array numpy_array(py::handle value, PyObject* type = nullptr, int flags = 0);
 /// Numbers of any shape.
 Array doubles(py::handle value, const std::string& object, const std::string& what);
@@ -147,6 +149,8 @@ bool has_parameters(py::handle value);
 /// The function of so many inputs that has numbers of the user's and others for its results, whatever the inputs.
 rbdyn::Function function_of_numbers(py::handle value, int inputs, int results, const std::string& object,
                                     const std::string& what);
+/// Three numbers that are finite.
+Vector3 finite_vector3(py::handle value, const std::string& object, const std::string& what);
 /// Three numbers.
 Vector3 vector3(py::handle value, const std::string& object, const std::string& what);
 /// A list of vectors, one a row; `rule` says of what.
@@ -323,7 +327,9 @@ private:
 template <class Result>
 auto values_over(const ArrayLike& argument, const char* object, const char* what, FunctionRef<Result, double> f) {
     using Returned = std::conditional_t<std::is_same_v<Result, double>, Values, Vectors>;
-    const auto one = [&](double x) { return py::reinterpret_borrow<Returned>(to_python(f(x))); };
+    const auto one = [&](double x) {
+        return py::reinterpret_borrow<Returned>(to_python(unlocked([&] { return f(x); })));
+    };
     if (PyFloat_Check(argument.ptr())) return one(PyFloat_AS_DOUBLE(argument.ptr()));
     const Array x = doubles(argument, object, what);
     if (x.ndim() == 0) return one(*x.data());
@@ -346,6 +352,30 @@ auto values_over(const ArrayLike& argument, const char* object, const char* what
 template <class F>
 auto over(const ArrayLike& argument, const char* object, const char* what, const F& f) {
     return values_over<std::decay_t<std::invoke_result_t<const F&, double>>>(argument, object, what, f);
+}
+
+/// Throws InvalidInput unless all numbers of a value are finite: what it is, and the rule, are asked for only then.
+template <class T>
+void require_finite(const T& value, const char* object, FunctionRef<std::string> what, FunctionRef<std::string> rule) {
+    double numbers[9];
+    double* end = numbers;
+    write(end, value);
+    for (const double* x = numbers; x != end; ++x)
+        if (!std::isfinite(*x)) rbdyn::refuse(object, what(), *x, rule());
+}
+
+/// The same as over() of a quantity that is finite wherever its argument is, but where numbers leave doubles: what is
+/// not finite is refused.
+template <class F>
+auto finite_over(const ArrayLike& argument, const char* object, const char* what, const char* quantity, const F& f,
+                 FunctionRef<std::string> rule) {
+    return over(argument, object, what, [&](double x) {
+        rbdyn::require(std::isfinite(x), object, what, x, "it is finite");
+        const auto value = f(x);
+        require_finite(
+            value, object, [&] { return quantity + std::string(" at ") + what + " " + rbdyn::text(x); }, rule);
+        return value;
+    });
 }
 
 /// f at two arguments, numbers or arrays that are broadcast.
@@ -397,6 +427,13 @@ void bind_watch(py::module_& m);
 }  // namespace binding
 
 namespace pybind11::detail {
+/// As pybind11's own, but for bytes: what is a text, as a name, is given as one.
+template <>
+struct type_caster<std::string> : string_caster<std::string> {
+    bool load(handle source, bool convert) {
+        return source && PyUnicode_Check(source.ptr()) != 0 && string_caster<std::string>::load(source, convert);
+    }
+};
 /// As pybind11's own, but for numbers of the user's: their value would be taken once, for good.
 template <>
 struct type_caster<double> {

@@ -1,4 +1,5 @@
 // Curves: geometry that can be asked, and that a rail follows.
+#include <cmath>
 #include <map>
 #include <optional>
 #include <rbdyn/curve/curve.hpp>
@@ -20,13 +21,6 @@ struct CurveOf : Curve {
     Kind kind;
 };
 
-py::array_t<double> rows_to_python(const std::vector<Vector3>& vectors) {
-    py::array_t<double> result({static_cast<py::ssize_t>(vectors.size()), py::ssize_t{3}});
-    double* out = result.mutable_data();
-    for (const Vector3& v : vectors) write(out, v);
-    return result;
-}
-
 // what each kind is made from, as Python's tuples hold it
 py::tuple data(const rbdyn::Line& c) { return py::make_tuple(to_python(c.direction), to_python(c.point)); }
 py::tuple data(const rbdyn::Circle& c) {
@@ -35,14 +29,14 @@ py::tuple data(const rbdyn::Circle& c) {
 py::tuple data(const rbdyn::Helix& c) {
     return py::make_tuple(c.radius, c.pitch, to_python(c.start), to_python(c.toward), to_python(c.center));
 }
-py::tuple data(const rbdyn::Polynomial& c) { return py::make_tuple(rows_to_python(c.coefficients)); }
+py::tuple data(const rbdyn::Polynomial& c) { return py::make_tuple(rows_of(c.coefficients)); }
 py::tuple data(const rbdyn::Parabola& c) {
     return py::make_tuple(c.a, to_python(c.x), to_python(c.y), to_python(c.vertex));
 }
 py::tuple data(const rbdyn::Cycloid& c) {
     return py::make_tuple(c.radius, to_python(c.x), to_python(c.y), to_python(c.vertex));
 }
-py::tuple data(const rbdyn::Spline& c) { return py::make_tuple(rows_to_python(c.points), c.closed); }
+py::tuple data(const rbdyn::Spline& c) { return py::make_tuple(rows_of(c.points), c.closed); }
 py::tuple data(const rbdyn::FunctionCurve& c) {
     return py::make_tuple(c.function, std::pair(c.domain.begin, c.domain.end), c.closed);
 }
@@ -67,9 +61,15 @@ py::tuple call_that_makes(const Curve& c) {
     return py::make_tuple(type, std::visit([](const auto& kind) { return data(kind); }, c.kind()));
 }
 
+/// A quantity of a curve at parameters.
 template <class F>
-auto at(const ArrayLike& u, F&& f) {
-    return over(u, "Curve", "parameter", std::forward<F>(f));
+auto at(const Curve& c, const ArrayLike& u, const char* quantity, const F& f) {
+    return finite_over(u, "Curve", "parameter", quantity, f, [&] {
+        const rbdyn::Domain d = c.domain();
+        const bool has_ends = std::isfinite(d.begin) || std::isfinite(d.end);
+        return "the " + c.name() + " has none there that a double holds: give a parameter " +
+               (has_ends ? "of its domain, " + text(d.begin) + " to " + text(d.end) : "nearer to 0");
+    });
 }
 
 std::string rows_text(const std::vector<Vector3>& vectors) {
@@ -108,7 +108,9 @@ where it began, in r and r', and its parameter counts on; domain is one round.)"
         .def_property_readonly("name", &Curve::name, "What it is, in words.")
         .def(
             "position",
-            [](const Curve& c, const ArrayLike& u) { return at(u, [&](double x) { return c.position(x); }); },
+            [](const Curve& c, const ArrayLike& u) {
+                return at(c, u, "position", [&](double x) { return c.position(x); });
+            },
             py::arg("u"), "r(u), (3,) or (n, 3) [m].")
         .def(
             "length",
@@ -119,9 +121,9 @@ where it began, in r and r', and its parameter counts on; domain is one round.)"
         .def(
             "frenet",
             [](const Curve& c, const ArrayLike& u) {
-                const py::object tangent = at(u, [&](double x) { return c.frenet(x).tangent; });
-                const py::object normal = at(u, [&](double x) { return c.frenet(x).normal; });
-                const py::object binormal = at(u, [&](double x) { return c.frenet(x).binormal; });
+                const py::object tangent = at(c, u, "tangent", [&](double x) { return c.frenet(x).tangent; });
+                const py::object normal = at(c, u, "normal", [&](double x) { return c.frenet(x).normal; });
+                const py::object binormal = at(c, u, "binormal", [&](double x) { return c.frenet(x).binormal; });
                 return FrenetObject(py::module_::import("rbdyn.frames").attr("Frenet")(tangent, normal, binormal));
             },
             py::arg("u"),
@@ -130,10 +132,15 @@ where it began, in r and r', and its parameter counts on; domain is one round.)"
 On a straight stretch the frame of least rotation. Raises InvalidInput at a cusp.)")
         .def(
             "curvature",
-            [](const Curve& c, const ArrayLike& u) { return at(u, [&](double x) { return c.curvature(x); }); },
+            [](const Curve& c, const ArrayLike& u) {
+                return at(c, u, "curvature", [&](double x) { return c.curvature(x); });
+            },
             py::arg("u"), "1/rho of eq. 7.10 [1/m]; 0 where straight. Raises InvalidInput at a cusp.")
         .def(
-            "torsion", [](const Curve& c, const ArrayLike& u) { return at(u, [&](double x) { return c.torsion(x); }); },
+            "torsion",
+            [](const Curve& c, const ArrayLike& u) {
+                return at(c, u, "torsion", [&](double x) { return c.torsion(x); });
+            },
             py::arg("u"), "Torsion [1/m], positive for a right-handed helix; 0 where straight.")
         .def("__eq__", [](const Curve& a,
                           const py::object& b) { return py::isinstance<Curve>(b) && a == b.cast<const Curve&>(); })
@@ -230,15 +237,16 @@ the axis beside u = 0 [m]. World axes; u in rad.)")
     py::class_<CurveOf<Polynomial>, Curve>(m, "Polynomial", "A polynomial curve: r(u) = sum of c_k u^k.")
         .def(
             py::init([](const ArrayLike& coefficients, const std::optional<std::pair<double, double>>& domain) {
-                return CurveOf<Polynomial>(
-                    {rows(coefficients, "Polynomial", "coefficients", "a vector for each power of u, beginning with 0"),
-                     domain_of(domain)});
+                const Polynomial kind{
+                    rows(coefficients, "Polynomial", "coefficients", "a vector for each power of u, beginning with 0"),
+                    domain_of(domain)};
+                return unlocked([&] { return CurveOf<Polynomial>(kind); });
             }),
             py::arg("coefficients"), py::kw_only(), py::arg("domain") = py::none(),
             R"(coefficients: (n, 3), vectors in the world in increasing powers of u [m]. domain: first and last parameter; without
 it the curve has no ends.)")
         .def_property_readonly(
-            "coefficients", [](const CurveOf<Polynomial>& c) { return rows_to_python(c.kind.coefficients); },
+            "coefficients", [](const CurveOf<Polynomial>& c) { return rows_of(c.kind.coefficients); },
             "In increasing powers of u (n, 3) [m].")
         .def("__repr__",
              [](const CurveOf<Polynomial>& c) { return "Polynomial(" + rows_text(c.kind.coefficients) + ")"; });
@@ -310,8 +318,7 @@ at an end, or where the curvature of a rail changes at once.)")
             R"(points: (n, 3), at u = 0 .. n-1 [m]; neighbours differ. closed: from the last point on to the first, which is
 not repeated; the parameter counts on, n a round. slopes: {index of a point: r' there} [m]. World axes.)")
         .def_property_readonly(
-            "points", [](const CurveOf<Spline>& c) { return rows_to_python(c.kind.points); },
-            "At u = 0 .. n-1 (n, 3) [m].")
+            "points", [](const CurveOf<Spline>& c) { return rows_of(c.kind.points); }, "At u = 0 .. n-1 (n, 3) [m].")
         .def_property_readonly(
             "slopes",
             [](const CurveOf<Spline>& c) {

@@ -1,4 +1,5 @@
 // The heavy body in Euler angles, and the run of its state; simulate() of it is in verbs.cpp.
+#include <cmath>
 #include <rbdyn/model/euler_top.hpp>
 #include <rbdyn/own_motion.hpp>
 #include <rbdyn/trajectory/run_bytes.hpp>
@@ -14,6 +15,14 @@ namespace {
 Vectors states(const StateRun& run, const ArrayLike& times, const SideName& name) {
     const rbdyn::Side side = side_of(name);
     return states_over(times, run.variables(), "StateRun", [&](double t) { return run.state(t, side); });
+}
+
+/// A state is six finite numbers.
+void require_state(const std::vector<double>& x) {
+    for (std::size_t i = 0; i < x.size(); ++i)
+        rbdyn::require(std::isfinite(x[i]), "EulerTop", "variable " + std::to_string(i) + " of the state", x[i],
+                       "it is finite: angles in rad, rates in rad/s, which have no bound where sin theta is 0; start "
+                       "elsewhere, or give the body to a Scene, which is computed in quaternions");
 }
 
 }  // namespace
@@ -38,7 +47,8 @@ The body's axes are principal at that point. Raises InvalidInput for others.)")
             "state",
             [](const rbdyn::EulerAngles& angles, const ArrayLike& angular_velocity) {
                 const std::vector<double> x =
-                    EulerTop::state(angles, vector3(angular_velocity, "EulerTop", "angular_velocity"));
+                    EulerTop::state(angles, finite_vector3(angular_velocity, "EulerTop", "angular_velocity"));
+                require_state(x);
                 return py::array_t<double>(static_cast<py::ssize_t>(x.size()), x.data());
             },
             py::arg("angles"), py::arg("angular_velocity"),
@@ -49,8 +59,15 @@ The body's axes are principal at that point. Raises InvalidInput for others.)")
                 const std::vector<double> x = list_of_doubles(state, "EulerTop", "state");
                 rbdyn::require(x.size() == 6, "EulerTop", "number of variables of the state",
                                static_cast<double>(x.size()), "it has six, theta, psi, phi and their rates");
+                require_state(x);
                 py::array_t<double> rate(6);
-                top(0.0, std::span<const double>(x), std::span<double>(rate.mutable_data(), 6));
+                const std::span<double> rates(rate.mutable_data(), 6);
+                top(0.0, std::span<const double>(x), rates);
+                for (const double r : rates)
+                    rbdyn::require(
+                        std::isfinite(r), "EulerTop", "a rate where sin theta is " + rbdyn::text(std::sin(x[0])), r,
+                        "Euler angles fail where that is 0, or numbers leave doubles; give another state, or "
+                        "the body to a Scene, which is computed in quaternions");
                 return rate;
             },
             py::arg("state"), "The derivative (6,) of a state (6,) in time: the right side of the equations.")
@@ -84,7 +101,7 @@ The body's axes are principal at that point. Raises InvalidInput for others.)")
 
 side: at a jump the state "after" it, or "before". Raises InvalidInput for a time the run does not hold.)")
         .def(py::pickle([](const StateRun& r) { return py::bytes(rbdyn::bytes_of(r)); },
-                        [](const py::bytes& d) { return rbdyn::state_run_from(d.cast<std::string>()); }))
+                        [](const py::bytes& d) { return rbdyn::state_run_from(std::string(d)); }))
         .def("__str__", &printed<StateRun>)
         .def("__repr__", [](const StateRun& r) {
             return "<StateRun: " + std::string(name_of(r.status())) + " at t = " + rbdyn::text(r.end()) + " s>";

@@ -173,8 +173,9 @@ py::tuple scene_state(const BoundScene& s) {
 
 BoundScene scene_from_state(const py::tuple& state) {
     if (state.size() != 3 && state.size() != 4) throw InvalidInput("Scene: its data are not those of a scene");
-    rbdyn::Scene scene =
-        rbdyn::scene_from(state[0].cast<std::string>(), "scene", state[1].cast<std::vector<rbdyn::Parameter>>());
+    const auto text = state[0].cast<std::string>();
+    const auto parameters = state[1].cast<std::vector<rbdyn::Parameter>>();
+    rbdyn::Scene scene = unlocked([&] { return rbdyn::scene_from(text, "scene", parameters); });
     Handles handles = handles_from_state(state[2].cast<py::tuple>(), scene);
     BoundScene result{std::move(scene), std::move(handles)};
     if (state.size() == 3) return result;
@@ -193,7 +194,9 @@ void bind_files(py::module_& m) {
         "_scene_text", [](const BoundScene& s) { return rbdyn::text_of(as_data(s, nullptr)); }, py::arg("scene"));
     m.def(
         "_scene_from",
-        [](const std::string& text, const std::string& document) { return bound(rbdyn::scene_from(text, document)); },
+        [](const std::string& text, const std::string& document) {
+            return unlocked([&] { return bound(rbdyn::scene_from(text, document)); });
+        },
         py::arg("text"), py::arg("document"));
     m.def("_scene_schema", &rbdyn::scene_schema);
     // why it was not written; a pipe may keep it waiting for one who reads

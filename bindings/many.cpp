@@ -64,6 +64,8 @@ private:
 std::vector<Variation> variations(const BoundScene& scene, const py::dict& vary, py::ssize_t count) {
     Varied varied(scene, vary);
     std::vector<Variation> all;
+    // more than there is memory for is refused at once
+    all.reserve(static_cast<std::size_t>(count));
     for (py::ssize_t i = 0; i < count; ++i) {
         if (i % 1024 == 0 && PyErr_CheckSignals() != 0) throw py::error_already_set();
         all.push_back(varied.member(i));
@@ -166,7 +168,8 @@ py::list runs_from(const BoundScene& scene, const py::dict& vary, const py::list
         for (const auto& [body, start] : own.starts) member.replace(body, start);
         // with the numbers it ran with
         member = member.frozen();
-        runs.append(BoundTrajectory{rbdyn::Trajectory(rbdyn::run_from(member, data[i].cast<std::string>())), handles});
+        runs.append(BoundTrajectory{rbdyn::Trajectory(rbdyn::run_from(member, std::string(data[i].cast<py::bytes>()))),
+                                    handles});
     }
     return runs;
 }

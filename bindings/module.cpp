@@ -1,8 +1,11 @@
 // The Python module rbdyn._core.
 #include <pybind11/pybind11.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <cstring>
+#include <new>
+#include <stdexcept>
 
 #include "binding.hpp"
 
@@ -99,13 +102,55 @@ void explain_calls(const pybind11::handle& function) {
         reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(is_state ? &explained_state : &explained));
 }
 
+constexpr const char* lack_of_memory =
+    "rbdyn: there is not the memory for what is asked; ask for fewer points, times or members at once";
+
 /// An object that __new__ made and nothing else has no value: pybind11 would give it raw memory for one.
 void* refuse_raw(std::size_t) {
     throw pybind11::type_error(
         "an object of rbdyn's was made by __new__ alone and has no value; make it by calling its class");
 }
 
-/// Both for all that a module holds.
+// --- the base of all classes, which is pybind11's own and every module's ---
+
+newfunc make = nullptr;
+
+/// As pybind11 makes an object, which ends the process where a class is none of C++'s, as that base is.
+PyObject* made(PyTypeObject* type, PyObject* arguments, PyObject* names) {
+    if (!pybind11::detail::all_type_info(type).empty()) return make(type, arguments, names);
+    PyErr_Format(PyExc_TypeError,
+                 "%s makes no objects: it is the base of classes, or derived from that base alone; call one of those "
+                 "classes, and pickle with pickle.dumps() or __reduce_ex__()",
+                 type->tp_name);
+    return nullptr;
+}
+
+/// For a class and what is derived from it, now and later: Python has them make their objects alike.
+void guard_making(pybind11::handle type) {
+    auto* const object = reinterpret_cast<PyTypeObject*>(type.ptr());
+    if (object->tp_new == make) object->tp_new = &made;
+    for (const pybind11::handle derived : pybind11::type::handle_of(type).attr("__subclasses__")(type))
+        guard_making(derived);
+}
+
+/// What pickle keeps of an object, by any protocol as by the second: those before it would make the base anew.
+pybind11::object reduced(const pybind11::object& self, int protocol) {
+    const pybind11::handle object(reinterpret_cast<PyObject*>(&PyBaseObject_Type));
+    return object.attr("__reduce_ex__")(self, std::max(protocol, 2));
+}
+
+void guard_base() {
+    namespace py = pybind11;
+    const py::handle base = py::detail::get_internals().instance_base;
+    if (make != nullptr) return;
+    make = reinterpret_cast<PyTypeObject*>(base.ptr())->tp_new;
+    guard_making(base);
+    const py::cpp_function reduce(&reduced, py::name("__reduce_ex__"), py::is_method(base), py::arg("protocol"));
+    explain_calls(reduce);
+    py::setattr(base, "__reduce_ex__", reduce);
+}
+
+/// The first two for all that a module holds.
 void guard(const pybind11::module_& m) {
     namespace py = pybind11;
     for (const auto& [name, thing] : py::dict(m.attr("__dict__"))) {
@@ -136,6 +181,10 @@ PYBIND11_MODULE(_core, m) {
             raise("InvalidInput", e);
         } catch (const rbdyn::Error& e) {
             raise("Error", e);
+        } catch (const std::bad_alloc&) {
+            py::set_error(PyExc_MemoryError, lack_of_memory);
+        } catch (const std::length_error&) {
+            py::set_error(PyExc_MemoryError, lack_of_memory);
         } catch (const py::cast_error&) {
             // of data that was changed, say, or half a character in a word
             py::set_error(py::module_::import("rbdyn.errors").attr("InvalidInput"),
@@ -169,4 +218,5 @@ PYBIND11_MODULE(_core, m) {
     binding::bind_many(m);
     m.def("_describe", &describe, py::arg("function"), py::arg("signature"), py::arg("text"));
     guard(m);
+    guard_base();
 }

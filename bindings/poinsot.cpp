@@ -1,4 +1,7 @@
 // What can be said of a motion without torque before it is computed.
+#include <algorithm>
+#include <cstdint>
+#include <limits>
 #include <rbdyn/closed_form/poinsot_motion.hpp>
 
 #include "data.hpp"
@@ -6,6 +9,18 @@
 namespace binding {
 
 using rbdyn::PoinsotMotion, rbdyn::RigidBody;
+
+namespace {
+
+/// Of a way.
+int counted(std::int64_t count) {
+    constexpr int most = std::numeric_limits<int>::max();
+    rbdyn::require(count <= most, "PoinsotMotion", "count", static_cast<double>(count),
+                   "a way has at most " + std::to_string(most) + " points; ask for fewer");
+    return static_cast<int>(std::max<std::int64_t>(count, 0));
+}
+
+}  // namespace
 
 void bind_poinsot(py::module_& m) {
     py::class_<PoinsotMotion>(m, "PoinsotMotion", R"(The motion of a rigid body without torque (Def. 7.2, 7.53-7.56).
@@ -47,18 +62,22 @@ Zero about a stable axis; nan for a rotation that is not permanent.)")
                                "omega.K/|K|: where Poinsot's plane lies [rad/s] (Prop. 7.1).")
         .def(
             "polhode",
-            [](const PoinsotMotion& p, int count, const std::optional<double>& until) {
-                return rows_of(p.polhode(count, until));
+            [](const PoinsotMotion& p, std::int64_t count, const std::optional<double>& until) {
+                const int points = counted(count);
+                return rows_of(unlocked([&] { return p.polhode(points, until); }));
             },
             py::arg("count") = 200, py::arg("until") = py::none(),
-            "The way of omega in the body (count, 3) [rad/s], up to a time [s], by default one period.")
+            R"(The way of omega in the body (count, 3) [rad/s], up to a time [s], by default one period.
+
+Raises InvalidInput for a time in which |omega| makes more than 2^64 rad: its digits do not tell where omega is then.)")
         .def(
             "herpolhode",
-            [](const PoinsotMotion& p, int count, const std::optional<double>& until) {
-                return rows_of(p.herpolhode(count, until));
+            [](const PoinsotMotion& p, std::int64_t count, const std::optional<double>& until) {
+                const int points = counted(count);
+                return rows_of(unlocked([&] { return p.herpolhode(points, until); }));
             },
             py::arg("count") = 200, py::arg("until") = py::none(),
-            "The way of omega in the world (count, 3) [rad/s], up to a time [s], by default one period.")
+            "The way of omega in the world (count, 3) [rad/s], up to a time [s]; times as of polhode().")
         .def(py::pickle(
             [](const PoinsotMotion& p) {
                 const auto point = p.point() ? py::object(tuple_of(*p.point())) : py::none();

@@ -156,7 +156,9 @@ Functions are recorded: called before anything runs, with expressions. Raises In
         .def(
             "drive",
             [](const Rail& rail, const ArrayLike& t) {
-                return over(t, "Rail", "time", [&](double x) { return rail.drive()(x); });
+                return finite_over(
+                    t, "Rail", "time", "drive", [&](double x) { return rail.drive()(x); },
+                    [] { return std::string("a drive is finite while it is followed; give another time, in s"); });
             },
             py::arg("t"), "The speed of the rail's surface along itself at a time [m/s].")
         .def_property_readonly(

@@ -217,7 +217,13 @@ void bind_rail_potential(py::module_& m) {
         });
 
     const char* const user = "RailPotential";
-    const auto at = [user](const ArrayLike& u, auto&& f) { return over(u, user, "parameter", f); };
+    const auto rule = [] {
+        return std::string(
+            "it is beyond what a double holds, or what acts there is without bound; give another parameter");
+    };
+    const auto at = [user, rule](const ArrayLike& u, const char* quantity, const auto& f) {
+        return finite_over(u, user, "parameter", quantity, f, rule);
+    };
     py::class_<BoundPotential>(
         m, "RailPotential",
         R"(The potential of a bead along its rail at rest (eqs. 7.18-7.22), F_t = +dU/ds (the chapter's sign).
@@ -226,31 +232,38 @@ U is zero at the beginning of the curve, or at u = 0 where it has none. A parame
 shape.)")
         .def(
             "value",
-            [at](const BoundPotential& p, const ArrayLike& u) { return at(u, [&](double x) { return p.value(x); }); },
+            [at](const BoundPotential& p, const ArrayLike& u) {
+                return at(u, "U", [&](double x) { return p.value(x); });
+            },
             py::arg("u"), "U [J].")
         .def(
             "tangential_force",
             [at](const BoundPotential& p, const ArrayLike& u) {
-                return at(u, [&](double x) { return p.tangential_force(x); });
+                return at(u, "F_t", [&](double x) { return p.tangential_force(x); });
             },
             py::arg("u"), "F_t = dU/ds [N] (eq. 7.15). Raises InvalidInput at a cusp.")
         .def(
             "work_of_forces",
             [at](const BoundPotential& p, const ArrayLike& u) {
-                return at(u, [&](double x) { return p.work_of_forces(x); });
+                return at(u, "work of forces", [&](double x) { return p.work_of_forces(x); });
             },
             py::arg("u"), "The part of U that is the work of Force functions [J].")
         .def(
             "energy",
-            [](const BoundPotential& p, const ArrayLike& u, const ArrayLike& speed) {
-                return over_both(u, speed, "RailPotential", "parameter", "speed",
-                                 [&](double x, double v) { return p.energy(x, v); });
+            [user, rule](const BoundPotential& p, const ArrayLike& u, const ArrayLike& speed) {
+                return over_both(u, speed, user, "parameter", "speed", [&](double x, double v) {
+                    const double energy = p.energy(x, v);
+                    require_finite(
+                        energy, user,
+                        [&] { return "energy at parameter " + rbdyn::text(x) + " and speed " + rbdyn::text(v); }, rule);
+                    return energy;
+                });
             },
             py::arg("u"), py::arg("speed") = 0.0, "m speed^2/2 - U [J] (eq. 7.20). Arrays are broadcast.")
         .def(
             "speed",
             [at](const BoundPotential& p, const ArrayLike& u, double energy) {
-                return at(u, [&](double x) { return p.speed(x, energy); });
+                return at(u, "speed", [&](double x) { return p.speed(x, energy); });
             },
             py::arg("u"), py::arg("energy"),
             "|ds/dt| at u of the motion with an energy [m/s] (eq. 7.21). Raises InvalidInput where it does not come.")

@@ -281,7 +281,8 @@ side: at a jump the state "after" it, or "before". Raises InvalidInput for a tim
                                       py::bytes(rbdyn::bytes_of(r)));
             },
             [](const py::tuple& d) {
-                return rbdyn::system_run_from(d[0].cast<const BoundSystem&>().system, d[1].cast<std::string>());
+                return rbdyn::system_run_from(d[0].cast<const BoundSystem&>().system,
+                                              std::string(d[1].cast<py::bytes>()));
             }))
         .def("__str__", &printed<SystemRun>)
         .def("__repr__", [](const SystemRun& r) {

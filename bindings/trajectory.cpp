@@ -88,7 +88,7 @@ py::tuple data_of(const BoundTrajectory& r) {
 BoundTrajectory trajectory_from(const py::tuple& d) {
     const auto& scene = d[0].cast<const BoundScene&>();
     const rbdyn::Scene own = scene.scene;
-    const auto bytes = d[1].cast<std::string>();
+    const std::string bytes = d[1].cast<py::bytes>();
     return {Trajectory(unlocked([&] { return rbdyn::run_from(own, bytes); })),
             std::make_shared<const Handles>(scene.handles)};
 }

@@ -2,6 +2,7 @@
 #include "watch.hpp"
 
 #include <algorithm>
+#include <exception>
 #include <memory>
 #include <numeric>
 #include <optional>
@@ -27,6 +28,7 @@ int count_of(const Shape& shape) {
 struct Present {
     Ask ask;
     Handles handles;
+    std::exception_ptr refused = nullptr;  // what it was asked for and no moment of the scene has
 };
 
 struct PresentThing {
@@ -70,6 +72,16 @@ py::object ask(const Present& now, Quantity quantity, int subject, const Shape& 
     if (!now.ask)
         throw InvalidInput("Now: the function it was made for has returned; ask for quantities while it runs");
     return now.ask(quantity, subject, shape);
+}
+
+/// Throws InvalidInput for a handle of another scene.
+void require(Present& now, const Handle& handle) {
+    try {
+        now.handles.require(handle, "Now");
+    } catch (const InvalidInput&) {
+        now.refused = std::current_exception();
+        throw;
+    }
 }
 
 /// Calls f with a present moment that ends with the call.
@@ -177,14 +189,13 @@ struct Asked {
 
     /// Throws InvalidInput where it asks for what the scene does not have, which is no reason to call it back.
     Attempt record(const py::object& f, const std::function<std::vector<Expression>(const py::object&)>& results) {
-        std::exception_ptr refused;
         const auto now = std::make_shared<Present>(Present{nullptr, scene.handles});
         const auto ask_in = [&](Recording& recording, Quantity quantity, int subject,
                                 const Shape& shape) -> py::object {
             try {
                 scene.scene.require_observable({quantity, subject, 0}, user);
             } catch (const InvalidInput&) {
-                refused = std::current_exception();
+                now->refused = std::current_exception();
                 throw;
             }
             const auto found = std::find(all.begin(), all.end(), Observable{quantity, subject, 0});
@@ -206,7 +217,7 @@ struct Asked {
                 return py::make_tuple(now);
             },
             results);
-        if (!result.function && refused) std::rethrow_exception(refused);
+        if (!result.function && now->refused) std::rethrow_exception(now->refused);
         return result;
     }
 };
@@ -280,10 +291,15 @@ void try_out(const Called& c) {
         return result;
     };
     const CallingBack here;
+    std::shared_ptr<Present> present;
     try {
-        with_present(asked, c.scene.handles, [&](const py::object& now) { return c.f(now); });
+        with_present(asked, c.scene.handles, [&](const py::object& now) {
+            present = now.cast<std::shared_ptr<Present>>();
+            return c.f(now);
+        });
     } catch (py::error_already_set& error) {
         if (!error.matches(PyExc_Exception)) throw;
+        if (present && present->refused) std::rethrow_exception(present->refused);
         if (is_lack(error.value())) throw InvalidInput(c.user + ": " + std::string(py::str(error.value())));
     }
 }
@@ -452,14 +468,14 @@ World axes, but where body axes are named.)");
         .def(
             "__getitem__",
             [](const std::shared_ptr<Present>& now, const BodyHandle& handle) {
-                now->handles.require(handle, "Now");
+                require(*now, handle);
                 return PresentBody{{now, handle.index, handle.name}};
             },
             py::arg("handle"))
         .def(
             "__getitem__",
             [](const std::shared_ptr<Present>& now, const CouplingHandle& handle) {
-                now->handles.require(handle, "Now");
+                require(*now, handle);
                 return PresentCoupling{{now, handle.index, handle.name}};
             },
             py::arg("handle"));

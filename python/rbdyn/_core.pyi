@@ -972,11 +972,13 @@ class PoinsotMotion:
         ...
     def herpolhode(self, count: typing.SupportsInt | typing.SupportsIndex = 200, until: typing.SupportsFloat | typing.SupportsIndex | None = None) -> numpy.typing.NDArray[numpy.float64]:
         """
-        The way of omega in the world (count, 3) [rad/s], up to a time [s], by default one period.
+        The way of omega in the world (count, 3) [rad/s], up to a time [s]; times as of polhode().
         """
     def polhode(self, count: typing.SupportsInt | typing.SupportsIndex = 200, until: typing.SupportsFloat | typing.SupportsIndex | None = None) -> numpy.typing.NDArray[numpy.float64]:
         """
         The way of omega in the body (count, 3) [rad/s], up to a time [s], by default one period.
+
+        Raises InvalidInput for a time in which |omega| makes more than 2^64 rad: its digits do not tell where omega is then.
         """
     @property
     def angular_momentum(self) -> typing.Any:

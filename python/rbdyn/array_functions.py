@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from rbdyn import _core
+from rbdyn.errors import InvalidInput
 from rbdyn.tracing import FUNCTIONS, NOTHING, SCALAR, array, each, hooked, into, is_recorded, objects, reduced
 
 # --- array functions that depend on values ---
@@ -28,7 +29,12 @@ def where(condition: Any, a: Any, b: Any) -> Any:
     """
     if any(is_recorded(x) for x in (condition, a, b)):
         return _where(condition, a, b)
-    return np.where(condition, a, b)[()]
+    try:
+        return np.where(condition, a, b)[()]
+    except OverflowError:
+        raise InvalidInput(
+            f"where: {a!r} or {b!r} is a whole number that NumPy has no type for; give it as a float"
+        ) from None
 
 
 def _clip(x: Any, a_min: Any = None, a_max: Any = None, out: Any = None, *, min: Any = None, max: Any = None) -> Any:

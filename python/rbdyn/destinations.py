@@ -17,7 +17,10 @@ def place_of(path: Any, user: str, fix: str = "") -> Path:
     """The path as one. Raises TypeError for what is none; `fix` says what is given in its place, if that is known."""
     if not isinstance(path, (str, os.PathLike)):
         raise TypeError(f"{user}: path is {path!r}; it is a string or a path{f'; {fix}' if fix else ''}")
-    return Path(path)
+    text = os.fsdecode(path)
+    if "\0" in text:
+        raise InvalidInput(f"{user}: path is {text!r}; no path has a zero in it, give another")
+    return Path(text)
 
 
 def require_place(path: str, option: str) -> None:

@@ -23,7 +23,22 @@ if TYPE_CHECKING:
 
 SCENES = (".json",)
 RUNS = (".npz", ".h5", ".hdf5")
-RUN_FORMAT, RUN_VERSION = "rbdyn run", 1
+RUN_FORMAT, RUN_VERSION = "rbdyn run", 2
+# what a file has beside `about`, and what the checksum of each version of the format is of
+MEMBERS = (
+    "scene",
+    "plan",
+    "statistics",
+    "handles",
+    "state",
+    "t",
+    "event_time",
+    "event_kind",
+    "event_name",
+    "event_direction",
+)
+CHECKED = {1: ("scene", "handles", "state"), 2: MEMBERS}
+CHANGED = "it was changed or cut short: its checksum is not that of what is in it"
 
 
 def save(thing: Scene | Trajectory, path: str | os.PathLike[str]) -> None:
@@ -112,13 +127,11 @@ def _contents(run: Trajectory) -> dict[str, Any]:
         for name in dir(run.statistics)
         if not name.startswith("_") and isinstance(getattr(run.statistics, name), (int, float))
     }
-    known = json.dumps(handles)
-    return {
-        "about": json.dumps(about | {"checksum": _checksum(text, known, state)}),
+    members = {
         "scene": text,
         "plan": str(run.plan),
         "statistics": json.dumps(statistics),
-        "handles": known,
+        "handles": json.dumps(handles),
         "state": np.frombuffer(state, dtype=np.uint8),
         "t": run.t,
         "event_time": np.array([e.time for e in run.events]),
@@ -126,29 +139,43 @@ def _contents(run: Trajectory) -> dict[str, Any]:
         "event_name": np.array([e.name for e in run.events], dtype=str),
         "event_direction": np.array([e.direction for e in run.events], dtype=str),
     }
+    return {"about": json.dumps(about | {"checksum": _checksum(about, members)}), **members}
 
 
 def _run_from(contents: dict[str, Any]) -> Trajectory:
-    about = json.loads(contents["about"])
-    if not isinstance(about, dict) or about.get("format") != RUN_FORMAT:
-        raise InvalidInput(f'it is no run: its "format" would be "{RUN_FORMAT}"')
-    if about.get("version") != RUN_VERSION or about.get("rbdyn") != _core.__version__:
-        raise InvalidInput(
-            f"it was written by rbdyn {about.get('rbdyn')!s:.20}, version {about.get('version')!s:.20} of the format; "
-            f"this is {_core.__version__}, which reads its own runs, of version {RUN_VERSION}; scenes are for all"
-        )
-    if about.get("checksum") != _checksum(contents["scene"], contents["handles"], contents["state"]):
-        raise InvalidInput("it was changed or cut short: its checksum is not that of what is in it")
     handles = tuple([tuple(handle) for handle in kind] for kind in json.loads(contents["handles"]))
     scene = _core.Scene.__new__(_core.Scene)
     scene.__setstate__((contents["scene"], [], handles))
     run = _core.Trajectory.__new__(_core.Trajectory)
-    run.__setstate__((scene, contents["state"]))
+    run.__setstate__((scene, _bytes(contents["state"])))
     return run
 
 
-def _checksum(scene: str, handles: str, state: bytes) -> int:
-    return zlib.crc32(state, zlib.crc32(handles.encode(), zlib.crc32(scene.encode())))
+def _about(text: str) -> dict[str, Any]:
+    """What a file says of itself, if it is one that can be read."""
+    about = json.loads(text)
+    if not isinstance(about, dict) or about.get("format") != RUN_FORMAT:
+        raise InvalidInput(f'it is no run: its "format" would be "{RUN_FORMAT}"')
+    if about.get("version") not in CHECKED or about.get("rbdyn") != _core.__version__:
+        raise InvalidInput(
+            f"it was written by rbdyn {about.get('rbdyn')!s:.20}, version {about.get('version')!s:.20} of the format; "
+            f"this is {_core.__version__}, which reads its own runs, of version {RUN_VERSION}; scenes are for all"
+        )
+    return about
+
+
+def _checksum(about: dict[str, Any], members: dict[str, Any]) -> int:
+    """Of all that the version of the format checks, in order; of version 1 `about` was no part."""
+    version = about["version"]
+    value = 0 if version == 1 else zlib.crc32(json.dumps(about).encode())
+    for name in CHECKED[version]:
+        member = members[name]
+        if isinstance(member, str):
+            value = zlib.crc32(member.encode("utf-8", "surrogatepass"), value)
+        else:
+            kind = b"" if version == 1 else f"{member.dtype.str}{member.shape}".encode()
+            value = zlib.crc32(np.ascontiguousarray(member).tobytes(), zlib.crc32(kind, value))
+    return value
 
 
 def _save_npz(file: io.BytesIO, contents: dict[str, Any]) -> None:
@@ -157,8 +184,15 @@ def _save_npz(file: io.BytesIO, contents: dict[str, Any]) -> None:
 
 def _load_npz(file: io.BytesIO) -> dict[str, Any]:
     with np.load(file, allow_pickle=False) as archive:
-        texts = {name: str(archive[name]) for name in ("about", "scene", "handles")}
-        return {**texts, "state": _bytes(archive["state"])}
+        about = _about(str(archive["about"]))
+        if not all(name in archive for name in CHECKED[about["version"]]):
+            raise InvalidInput(CHANGED)
+        arrays = {name: archive[name] for name in CHECKED[about["version"]]}
+    contents = {name: array if array.ndim else str(array) for name, array in arrays.items()}
+    checksum = about.pop("checksum", None)
+    if checksum != _checksum(about, contents):
+        raise InvalidInput(CHANGED)
+    return contents
 
 
 # what is before an HDF5 file's own content: the library that reads it does not bear every change of a byte
@@ -192,10 +226,11 @@ def _load_h5(file: io.BytesIO) -> dict[str, Any]:
     h5py = _h5py()
     content = file.getvalue()
     if content[:_BLOCK] != _seal(content[_BLOCK:]):
-        raise InvalidInput("it was changed or cut short: its checksum is not that of what is in it")
+        raise InvalidInput(CHANGED)
     with h5py.File(file, "r") as h5:
-        texts = {name: h5[name].asstr()[()] for name in ("about", "scene", "handles")}
-        return {**texts, "state": _bytes(h5["state"][()])}
+        _about(h5["about"].asstr()[()])
+        texts = {name: h5[name].asstr()[()] for name in ("scene", "handles")}
+        return {**texts, "state": h5["state"][()]}
 
 
 def _h5py() -> Any:

@@ -10,10 +10,14 @@ RULE = (
 )
 
 
-def has_unit(value: Any) -> bool:
+# quantities in lists of at most so many levels are seen: one that contains itself has no last
+DEEPEST = 4
+
+
+def has_unit(value: Any, depth: int = 0) -> bool:
     """Whether a value, or an item of a list or tuple, is a quantity with a unit."""
     kind = type(value)
     if kind in (list, tuple):
-        return any(has_unit(item) for item in value)
+        return depth < DEEPEST and any(has_unit(item, depth + 1) for item in value)
     # of the class, for arrays with names (xarray) may have any attribute
     return hasattr(kind, "units") and hasattr(kind, "magnitude") or hasattr(kind, "to_value") and hasattr(kind, "unit")

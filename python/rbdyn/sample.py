@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rbdyn import _core
 from rbdyn.destinations import place_of
 from rbdyn.errors import InvalidInput
 
@@ -71,6 +72,8 @@ class Sample:
     """
 
     def __init__(self, run: Trajectory, times: npt.ArrayLike | None = None) -> None:
+        if not isinstance(run, _core.Trajectory):
+            raise TypeError(f"Sample: run is {run!r}; it is a Trajectory, what simulate() of a Scene returns")
         self.t: npt.NDArray[np.float64] = np.array(run.t) if times is None else times_of(times, "Sample")
         self.attributes: dict[str, Any] = {
             "engine": run.engine,
@@ -188,7 +191,7 @@ def times_of(times: npt.ArrayLike, user: str) -> npt.NDArray[np.float64]:
         given = np.array(None)
     if given.dtype.kind not in "biuf":
         raise InvalidInput(f"{user}: times is {times!r}; give numbers, of a parameter its .value")
-    return np.atleast_1d(given.astype(float))
+    return np.atleast_1d(given.astype(float, copy=False))
 
 
 def axes_of(quantity: str, array: npt.NDArray[np.float64]) -> tuple[str, ...]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rbdyn import _core
 from rbdyn.destinations import place_of
 from rbdyn.errors import InvalidInput
 from rbdyn.sample import times_of
@@ -21,6 +22,8 @@ class SystemSample:
     """All variables of a run of a System at times `t` (k,): `x` (k, n), and sample["theta"] or sample[0] (k,)."""
 
     def __init__(self, run: SystemRun, times: npt.ArrayLike | None = None) -> None:
+        if not isinstance(run, _core.SystemRun):
+            raise TypeError(f"SystemSample: run is {run!r}; it is a SystemRun, what simulate() of a System returns")
         self.t: npt.NDArray[np.float64] = np.array(run.t) if times is None else times_of(times, "SystemSample")
         if self.t.ndim != 1:
             raise InvalidInput(f"SystemSample: times has shape {self.t.shape}; give a list of times")

@@ -131,7 +131,7 @@ def made_up(seed, count):
             message = str(error)
             if "incompatible" in message and "arguments" in message:
                 kind = "dump"
-            if kind in ("SystemError", "RuntimeError", "MemoryError", "SystemExit") or kind == "dump":
+            if kind in ("SystemError", "RuntimeError", "RecursionError", "MemoryError", "SystemExit") or kind == "dump":
                 wrong.append(f"{call}: {kind}: {message[:120]!a}")
         kinds[kind] = kinds.get(kind, 0) + 1
     return kinds, wrong

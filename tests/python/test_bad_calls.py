@@ -126,6 +126,9 @@ def in_a_thread(f):
         (lambda s: rb.Particle(), "Particle: mass is missing; it is a number or a Parameter"),
         (lambda s: s.add(3), "Scene.add: body is 3; it is a Particle or a RigidBody"),
         (lambda s: s.add(rb.Particle(1.0), name=3), "Scene.add: name is 3; it is a string or None"),
+        (lambda s: s.add(rb.Particle(1.0), name=b"x"), "Scene.add: name is b'x'; it is a string or None"),
+        (lambda s: rb.Sample(3), "Sample: run is 3; it is a Trajectory"),
+        (lambda s: rb.SystemSample(3), "SystemSample: run is 3; it is a SystemRun"),
         (lambda s: rb.simulate(s, until="x"), "simulate: until is 'x'; it is a number"),
         (lambda s: rb.simulate(s, 1.0, 2.0), "simulate: 3 arguments are given by place, and it takes 2 arguments so"),
         (lambda s: rb.simulate(s, 1.0, tol=2), "simulate: there is no argument 'tol'; it takes scene, until, start="),
@@ -195,3 +198,68 @@ def test_none_is_no_number():
         rb.Scene(gravity=[None, 0, 0])
     with pytest.raises(rb.InvalidInput, match="f is None"):
         rb.JointTorque(None)
+
+
+def test_a_list_that_contains_itself_is_no_vector():
+    endless = [1.0, 2.0]
+    endless.append(endless)
+    for call in (lambda: rb.Line(endless), lambda: rb.Line([1, 0, 0]).position(endless), lambda: rb.Spring(endless)):
+        with pytest.raises(rb.InvalidInput, match=r"is \[1.0, 2.0, \[...\]\]; give numbers"):
+            call()
+
+
+def test_what_memory_does_not_hold_is_no_lack_of_numbers():
+    """8 EB of them: NumPy says so, and its error is told as it is."""
+    from numpy.lib.stride_tricks import as_strided
+
+    huge = as_strided(np.zeros(1, np.float32), (2**58,), (0,))
+    with pytest.raises(MemoryError, match="Unable to allocate .* with shape"):
+        rb.Line([1, 0, 0]).position(huge)
+    turning = rb.PoinsotMotion(rb.RigidBody(1.0, [1, 2, 2.5]), [1, 1, 1])
+    with pytest.raises(rb.InvalidInput, match="count is 1e\\+10; a way has at most 2147483647 points"):
+        turning.polhode(10**10)
+
+
+class Endless:
+    """A sequence that says it has more items than memory."""
+
+    def __len__(self):
+        return 2**62
+
+    def __getitem__(self, i):
+        raise IndexError
+
+
+def test_a_sequence_of_more_than_memory_is_a_lack_of_memory():
+    scene, k = rb.Scene(), rb.parameter(1.0, "k")
+    scene.connect(rb.Spring(k), scene.add(rb.Particle(1.0)), [0, 0, 0])
+    with pytest.raises(MemoryError, match="there is not the memory for what is asked"):
+        scene.assemble(keep=Endless())
+    with pytest.raises(MemoryError, match="ask for fewer points, times or members at once"):
+        rb.simulate_many(scene, {k: np.broadcast_to(0.5, (2**59,))}, 1.0)
+
+
+@pytest.mark.parametrize("trace", [None, True, False])
+def test_a_watch_that_asks_for_a_body_of_another_scene_is_refused_when_it_is_given(trace):
+    scene, other = rb.Scene(), rb.Scene()
+    scene.add(rb.Particle(1.0), name="own")
+    stranger = other.add(rb.Particle(1.0), name="stranger")
+    with pytest.raises(rb.InvalidInput, match='"stranger" is a handle of another scene'):
+        scene.watch("low", lambda now: now[stranger].position[2], trace=trace)
+    assert not scene.handles.get("low")
+
+
+def test_a_zero_in_a_word_does_not_cut_the_message():
+    scene = rb.Scene()
+    scene.add(rb.Particle(1.0))
+    run = rb.simulate(scene, 1.0)
+    for ask in (lambda: run["a\0b"], lambda: run.events.times("a\0b")):
+        with pytest.raises(rb.InvalidInput, match=r'"a\\x00b".* there are|"a\\x00b".*the kinds are'):
+            ask()
+    with pytest.raises(rb.InvalidInput, match=r'"a\\x00b"; it is one of "com", "origin"'):
+        rb.RigidBody(1.0, [1, 2, 2.5], inertia_about="a\0b")
+
+
+def test_a_whole_number_that_numpy_has_no_type_for_is_named():
+    with pytest.raises(rb.InvalidInput, match="where: 18446744073709551616 or False is a whole number"):
+        rb.where("a", 2**64, False)

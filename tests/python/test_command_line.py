@@ -206,6 +206,11 @@ def test_a_python_file_that_is_none_is_named_with_its_line(content, code, messag
         (["run", "HOOP", "--until", "1", "--engine", "euler"], 'engine is "euler"'),
         (["run", "HOOP", "--until", "1", "--save", "run.txt"], "--save run.txt"),
         (
+            ["run", "HOOP", "--until", "1", "--max-steps", "99999999999999999999"],
+            "argument --max-steps: 99999999999999999999 is out of range; it is a whole number below 2**63",
+        ),
+        (["run", "HOOP", "--until", "1", "--max-steps", "1.5"], "invalid int value: '1.5'"),
+        (
             ["run", "HOOP", "--until", "1", "--save", "nowhere/a.npz"],
             "--save nowhere/a.npz: there is no folder",
         ),

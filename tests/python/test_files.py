@@ -438,6 +438,91 @@ def test_a_file_that_was_changed_or_cut_short_is_refused(suffix, tmp_path):
     assert refused > 500
 
 
+def members_of(place):
+    """The arrays of a file of a run, by name."""
+    with np.load(place, allow_pickle=False) as archive:
+        return {name: archive[name] for name in archive}
+
+
+def written(place, members):
+    np.savez(place, **members)
+    return place
+
+
+MEMBERS = {
+    "plan": lambda a: np.array(str(a).replace("taylor", "dop853")),
+    "statistics": lambda a: np.array(str(a).replace('"steps": ', '"steps": 1')),
+    "scene": lambda a: np.array(str(a).replace("0.5", "0.6")),
+    "handles": lambda a: np.array(str(a).replace("bead 1", "bead 2")),
+    "state": lambda a: np.concatenate((a[:-1], a[-1:] ^ 1)),
+    "t": lambda a: a * 1.5,
+    "event_time": lambda a: a + 1.0,
+    "event_kind": lambda a: np.where(a == "reverse", "stick", a),
+    "event_name": lambda a: np.where(a == a[0], "other", a),
+    "event_direction": lambda a: np.where(a == a[0], "x", a),
+    "about": lambda a: np.array(str(a).replace('"certain_until": ', '"certain_until": 1')),
+}
+
+
+@pytest.mark.parametrize("name", MEMBERS)
+def test_every_part_of_a_runs_file_is_under_its_checksum(name, tmp_path):
+    """Also what is there for other programs and is not read here: a changed file is refused, says files.md."""
+    rb.simulate(hoop(), until=6.0).save(tmp_path / "run.npz")
+    members = members_of(tmp_path / "run.npz")
+    assert set(members) == set(MEMBERS)
+    assert rb.load(written(tmp_path / "same.npz", members)).end == 6.0
+    changed = MEMBERS[name](members[name])
+    assert changed.dtype.kind == members[name].dtype.kind and not np.array_equal(changed, members[name])
+    with pytest.raises(rb.InvalidInput, match="it was changed or cut short: its checksum is not that of what is in it"):
+        rb.load(written(tmp_path / "changed.npz", members | {name: changed}))
+    left = {other: array for other, array in members.items() if other != name}
+    with pytest.raises(rb.InvalidInput, match="it was changed or cut short|it is no run that save"):
+        rb.load(written(tmp_path / "left.npz", left))
+
+
+def test_runs_of_the_format_before_are_read(tmp_path):
+    """Version 1 had a checksum of scene, handles and state alone."""
+    run = rb.simulate(hoop(), until=2.0)
+    run.save(tmp_path / "run.npz")
+    members = members_of(tmp_path / "run.npz")
+    value = 0
+    for name in ("scene", "handles", "state"):
+        value = zlib.crc32(members[name].tobytes() if members[name].ndim else str(members[name]).encode(), value)
+    about = json.loads(str(members["about"])) | {"version": 1, "checksum": value}
+    old = {name: members[name] for name in ("scene", "handles", "state")}
+    assert_same(run, rb.load(written(tmp_path / "old.npz", old | {"about": np.array(json.dumps(about))})))
+    other = old | {"about": np.array(json.dumps(about | {"version": 2}))}
+    with pytest.raises(rb.InvalidInput, match="it was changed or cut short"):
+        rb.load(written(tmp_path / "mixed.npz", other))
+
+
+def test_a_key_that_is_there_twice_is_refused_with_its_place(tmp_path):
+    """One of its values would go unread, and which is not said by JSON."""
+    text = rb._core._scene_text(hoop())
+    for old, new, place in (
+        ('"gravity"', '"gravity": [0, 0, 0], "gravity"', 'the key "gravity" is there twice'),
+        ('"mass"', '"mass": 1.0, "mass"', r'bodies\[0\].body: the key "mass" is there twice; give it once'),
+    ):
+        assert old in text
+        (tmp_path / "x.json").write_text(text.replace(old, new, 1))
+        with pytest.raises(rb.InvalidInput, match=rf"x.json: {place}"):
+            rb.load(tmp_path / "x.json")
+
+
+def test_a_path_with_a_zero_in_it_is_refused(tmp_path):
+    scene = hoop()
+    run = rb.simulate(scene, 0.1)
+    for call in (
+        lambda: rb.load("a\0.json"),
+        lambda: rb.save(scene, tmp_path / "a\0.json"),
+        lambda: run.save(str(tmp_path / "a\0.npz")),
+        lambda: run.sample([0.0]).to_csv("a\0.csv"),
+    ):
+        with pytest.raises(rb.InvalidInput, match=r"a\\x00.*; no path has a zero in it, give another"):
+            call()
+    assert not list(tmp_path.iterdir())
+
+
 def test_a_state_with_a_checksum_of_its_own_does_no_harm_either():
     for scene_of in (hoop, switching, oscillator):
         run = rb.simulate(scene_of(), until=2.0)

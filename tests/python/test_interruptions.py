@@ -1,5 +1,6 @@
 """What takes long ends within a second of Ctrl-C, and other threads run meanwhile."""
 
+import json
 import threading
 import time
 
@@ -40,6 +41,13 @@ def long_calls():
     hill = rb.Scene(gravity=[0, 0, -9.81])
     top = hill.add(rb.Particle(1.0), rb.Rail(spline), parameter=3.0)
     potential = rb.rail_potential(hill, top)
+    turning = rb.PoinsotMotion(rb.RigidBody(1.0, [1, 2, 2.5]), [0.1, 1, 0.2])
+    many = np.random.default_rng(1).normal(size=(3_000_000, 3))
+    file = file_of_many_hinges(30_000)
+    swung = rb.simulate(chain(2), 2000.0, rtol=1e-6)
+    free = rb.Scene()
+    free.add(rb.RigidBody(1.0, [1, 2, 2.5]), angular_velocity=[1e9, 1e9, 3e9])
+    quick = rb.simulate(free, 1e6)
     return {
         "position": lambda: run[body].position(times),
         "reaction": lambda: run[bead].reaction(times),
@@ -61,7 +69,23 @@ def long_calls():
         "the plan of many modes": lambda: rb.plan(springs(400, 0.0)),
         "a run that is planned": lambda: rb.simulate(springs(1500, 1.0), 1e-6),
         "assemble": lambda: crank().assemble(),
+        "polhode": lambda: turning.polhode(20_000_000),
+        "herpolhode": lambda: turning.herpolhode(20_000_000, 1e6),
+        "a polynomial of many coefficients": lambda: rb.Polynomial(many),
+        "a spline of many more points": lambda: rb.Spline(many),
+        "a scene's file": lambda: rb._core._scene_from(file, "scene"),
+        "drift": lambda: swung.drift,
+        # one number, for which 1e15 radians are followed
+        "euler_angles at one time": lambda: quick[quick.bodies[0]].euler_angles(1e6),
     }
+
+
+def file_of_many_hinges(n):
+    """A scene's file of n bodies, each on a hinge of its own."""
+    scene = json.loads(rb._core._scene_text(chain(1)))
+    (body,) = scene["bodies"]
+    scene["bodies"] = [body | {"name": f"rod {i}"} for i in range(n)]
+    return json.dumps(scene)
 
 
 def springs(n, rest_length, aside=0.1):

@@ -321,3 +321,101 @@ def test_a_closed_form_that_outgrows_the_numbers_ends_there(accuracy):
     assert run.end == pytest.approx(1024 * math.log(2), abs=1.0)
     assert run[ball].position(700.0)[0] == pytest.approx(0.5 * math.exp(700.0), rel=1e-9)
     assert np.isfinite(run[ball].position(run.end)).all()
+
+
+CURVES = {
+    "line": rb.Line([1, 0, 0]),
+    "circle": rb.Circle(1.0, [1, 0, 0], [0, 1, 0]),
+    "helix": rb.Helix(1.0, 0.2, [1, 0, 0], [0, 1, 0]),
+    "parabola": rb.Parabola(1.0, [1, 0, 0], [0, 1, 0]),
+    "cycloid": rb.Cycloid(1.0, [1, 0, 0], [0, 1, 0]),
+    "spline": rb.Spline([[0, 0, 0], [1, 0, 0], [1, 1, 0], [2, 1, 1]]),
+    "polynomial": rb.Polynomial([[0, 0, 0], [1, 0, 0], [0, 0, 1]]),
+    "function": rb.Curve(lambda u: [u, np.sin(u), 0.2 * u**2]),
+}
+
+
+@pytest.mark.parametrize("asked", ["position", "frenet", "curvature", "torsion"])
+@pytest.mark.parametrize("name", CURVES)
+def test_a_curve_has_no_place_at_a_parameter_that_is_none(name, asked):
+    """Nor one that doubles do not hold: no answer has a number in it that is none."""
+    ask = getattr(CURVES[name], asked)
+    for bad in (math.nan, math.inf, -math.inf):
+        for given in (bad, [0.5, bad]):
+            with pytest.raises(rb.InvalidInput, match=r"parameter is -?(nan|inf); it"):
+                ask(given)
+    for far in (1e308, -1e308, 5e-324):
+        try:
+            told = ask(far)
+        except rb.InvalidInput as refused:
+            assert f"{far:g}" in str(refused) and "; " in str(refused)
+        else:
+            assert np.isfinite(told).all()
+
+
+TURNED = rb.EulerAngles(0.3, 0.1, 0.2)
+LEANING = rb.EulerTop(rb.RigidBody(1.0, [0.5, 0.5, 0.25], com=[0, 0, 0.5], inertia_about="origin"), gravity=9.81)
+TURNING = rb.PoinsotMotion(rb.RigidBody(1.0, [1, 2, 2.5]), [0.1, 1, 0.2])
+
+
+def hill():
+    scene = rb.Scene(gravity=[0, 0, -9.81])
+    return rb.rail_potential(scene, scene.add(rb.Particle(1.0), rb.Rail(CURVES["circle"])))
+
+
+@pytest.mark.parametrize("bad", [math.nan, math.inf])
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda x: TURNED.rates([0, x, 0]), "EulerAngles: component 1 of angular_velocity is"),
+        (lambda x: TURNED.angular_velocity([0, 0, x]), "EulerAngles: component 2 of rates is"),
+        (lambda x: TURNED.angular_acceleration([0, 0, 0], [x, 0, 0]), "EulerAngles: component 0 of second is"),
+        (lambda x: TURNED.right_side([0, 0, 0], [1, 1, x], [0, 0, 0]), "EulerAngles: component 2 of moments is"),
+        (lambda x: TURNED.right_side([0, 0, 0], [1, 1, 1], [0, x, 0]), "EulerAngles: component 1 of torque is"),
+        (lambda x: rb.EulerAngles(0.1, x, 0.2).rates([0, 0, 1]), "EulerAngles: psi is"),
+        (lambda x: rb.EulerAngles(x, 0.1, 0.2).matrix, "EulerAngles: theta is"),
+        (lambda x: LEANING.state(TURNED, [0, x, 0]), "EulerTop: component 1 of angular_velocity is"),
+        (lambda x: LEANING.state(rb.EulerAngles(1, 1, x), [0, 1, 0]), "EulerTop: variable 2 of the state is"),
+        (lambda x: LEANING.rates([1, 1, x, 0, 0, 0]), "EulerTop: variable 2 of the state is"),
+        (lambda x: BODY.inertia([0, x, 0]), r"RigidBody: point\[1\] is"),
+        (lambda x: BODY.principal([0, 0, x]), r"RigidBody: point\[2\] is"),
+        (lambda x: TURNING.polhode(3, x), "PoinsotMotion: until is"),
+        (lambda x: TURNING.herpolhode(3, x), "PoinsotMotion: until is"),
+        (lambda x: hill().energy(0.0, x), "speed is"),
+        (lambda x: hill().energy(x, 0.0), "parameter is"),
+        (lambda x: hill().value([0.0, x]), "parameter is"),
+        (lambda x: rb.Rail(rb.Line([1, 0, 0]), drive=lambda t: 2.0 * t).drive(x), "Rail: time is"),
+    ],
+)
+def test_what_derives_from_numbers_that_are_none_is_refused(call, words, bad):
+    with pytest.raises(rb.InvalidInput, match=words) as refused:
+        call(bad)
+    assert str(bad) in str(refused.value) and "; " in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda: TURNING.herpolhode(3, until=1e300), "until is 1e\\+300; beyond"),
+        (lambda: TURNING.polhode(3, until=-1e308), "until is -1e\\+308; beyond"),
+        (lambda: BODY.inertia([0, 1e308, -1e308]), "of the inertia about a point is .*beyond what a double holds"),
+        (lambda: LEANING.rates(np.zeros(6)), "sin theta is 0 is nan; Euler angles fail where"),
+        (lambda: LEANING.state(rb.EulerAngles(0, 0, 0), [1, 1, 0]), "have no bound where sin theta is 0"),
+        (lambda: TURNED.angular_velocity([1e308] * 3), "the angular velocity is .*beyond what a double holds"),
+        (lambda: TURNED.right_side([1e200] * 3, [1, 2, 2.5], [0] * 3), "the right side is .*beyond what a double"),
+        (lambda: TURNED.right_side([0] * 3, [1, 0, 1], [0] * 3), r"moments\[1\] is 0; a principal moment is positive"),
+        (lambda: hill().energy(0.0, [1.0, 1e200]), "energy at parameter 0 and speed 1e\\+200 is inf; it is beyond"),
+    ],
+)
+def test_results_that_a_double_does_not_hold_are_refused(call, words):
+    with pytest.raises(rb.InvalidInput, match=words):
+        call()
+
+
+def test_where_a_body_is_on_its_polhode_is_told_as_long_as_digits_last():
+    """Of omega's way at 1e16 s all digits are right: the state after a whole number of periods is that of the start."""
+    period = TURNING.period
+    far = TURNING.polhode(2, 2.0**40 * period)[1]
+    # a period has 53 digits, and 2^40 of them as many: 2^-13 periods are unknown
+    assert np.abs(far - TURNING.polhode(2, period)[1]).max() < 2.0**-12 * 2 * np.pi
+    assert np.isfinite(TURNING.polhode(3, until=1e16)).all()

@@ -77,3 +77,23 @@ def test_what_has_no_period_asks_for_a_time():
     assert len(rb.PoinsotMotion(racket, [0.0, 1.0, 0.0]).polhode(5, until=2.0)) == 5
     with pytest.raises(rb.InvalidInput, match="three moments"):
         rb.PoinsotMotion(rb.shapes.rod(1.0, 1.0, along=[0, 0, 1]), [1.0, 0.0, 0.0])
+
+
+# |omega| turns through 1e16 to 1.7e19 rad: of the phase 32 digits less those are left
+FAR = {
+    1e16: [0.47662954194244377139, -0.82111900454294951868, 0.46232085849744116488],
+    1e18: [-0.10126058650342921688, -0.99980970210909250546, 0.20050677071663884481],
+    1.7e19: [-0.12185698308430496099, -0.99635651927931255121, 0.20947386343199686132],
+}
+
+
+@pytest.mark.parametrize("t", FAR)
+def test_a_phase_of_more_periods_than_a_double_counts_is_right(t):
+    """Jacobi's functions at the time, in 90 digits by mpmath: of 2^53 periods the number is no longer a double."""
+    motion = rb.PoinsotMotion(rb.RigidBody(1.0, [1, 2, 2.5]), [0.1, 1.0, 0.2])
+    unknown = 1e-15 + 2.0**-100 * t
+    assert np.abs(motion.polhode(2, until=t)[1] - FAR[t]).max() < unknown
+    scene = rb.Scene()
+    body = scene.add(rb.RigidBody(1.0, [1, 2, 2.5]), angular_velocity=[0.1, 1.0, 0.2])
+    run = rb.simulate(scene, t)
+    assert np.abs(run[body].angular_velocity(t) - FAR[t]).max() < run.error < 100 * unknown

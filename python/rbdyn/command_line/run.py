@@ -43,13 +43,24 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--rtol", type=float, metavar="R", help="local tolerance instead, no estimate: the cheap way")
     parser.add_argument("--engine", metavar="NAME", help='"auto" by default')
     parser.add_argument("--keep", choices=("all", "end"), help="of the motion; all by default")
-    parser.add_argument("--max-steps", type=int, metavar="N", help="of each integration")
+    parser.add_argument("--max-steps", type=_steps, metavar="N", help="of each integration")
     parser.add_argument(
         "--save", metavar="PATH", action="append", default=[], help="writes the run: .npz, .h5, or .csv for a table"
     )
     parser.add_argument("--plot", metavar="PATH", help="draws the first body's motion: .png, .svg, .pdf")
     parser.add_argument("--progress", action="store_true", help="a bar on stderr")
     add_json(parser)
+
+
+def _steps(text: str) -> int:
+    """A number of steps, as simulate() takes it."""
+    try:
+        steps = int(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"invalid int value: {text!r}") from None
+    if steps >= 2**63:
+        raise argparse.ArgumentTypeError(f"{text} is out of range; it is a whole number below 2**63")
+    return steps
 
 
 def execute(arguments: argparse.Namespace) -> int:

@@ -11,7 +11,8 @@ namespace rbdyn::inline RBDYN_FORM {
 
 /// Base of every error of this library.
 struct Error : std::runtime_error {
-    using std::runtime_error::runtime_error;
+    /// A zero in the message, of a name that was given, say, is written \x00: what() would end there.
+    explicit Error(std::string message);
 };
 
 /// A value that breaks a rule of the interface. Also a ValueError in Python.

@@ -5,10 +5,24 @@
 
 #include <charconv>
 #include <cmath>
+#include <cstddef>
+#include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace rbdyn::inline RBDYN_FORM {
+
+namespace errors {
+
+RBDYN_INLINE std::string without_zeros(std::string message) {
+    for (std::size_t at = 0; (at = message.find('\0', at)) != std::string::npos;) message.replace(at, 1, "\\x00");
+    return message;
+}
+
+}  // namespace errors
+
+RBDYN_INLINE Error::Error(std::string message) : std::runtime_error(errors::without_zeros(std::move(message))) {}
 
 RBDYN_INLINE std::string text(double value) {
     if (std::isnan(value)) return "nan";

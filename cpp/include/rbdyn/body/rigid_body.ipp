@@ -40,7 +40,15 @@ RBDYN_INLINE Matrix3 RigidBody::inertia(InertiaAbout about) const {
 }
 
 RBDYN_INLINE Matrix3Of<DoubleDouble> RigidBody::inertia_exact(const Vector3& point) const {
-    return rbdyn::inertia_about(central_, widened(point));
+    for (int i = 0; i < 3; ++i)
+        require(std::isfinite(point[i]), name, "point[" + std::to_string(i) + "]", point[i],
+                "it is finite; give it in m");
+    const Matrix3Of<DoubleDouble> about = rbdyn::inertia_about(central_, widened(point));
+    for (int i = 0; i < 9; ++i)
+        require(std::isfinite(about(i / 3, i % 3).hi), name,
+                "element " + std::to_string(i / 3) + std::to_string(i % 3) + " of the inertia about a point",
+                about(i / 3, i % 3).hi, "it is beyond what a double holds; give a point nearer to the centre of mass");
+    return about;
 }
 
 RBDYN_INLINE PrincipalAxesOf<DoubleDouble> RigidBody::principal_exact(const Vector3& point) const {
@@ -63,11 +71,8 @@ RBDYN_INLINE std::optional<Vector3> RigidBody::gyroscope_axis(double rtol) const
 }
 
 RBDYN_INLINE Imbalance RigidBody::imbalance(const Vector3& axis, const Vector3& point) const {
-    for (int i = 0; i < 3; ++i) {
+    for (int i = 0; i < 3; ++i)
         require(std::isfinite(axis[i]), name, "axis[" + std::to_string(i) + "]", axis[i], "a direction is finite");
-        require(std::isfinite(point[i]), name, "point[" + std::to_string(i) + "]", point[i],
-                "it is finite; give it in m");
-    }
     require(axis.norm() > 0.0, name, "length of axis", axis.norm(), "an axis has a direction; its length is free");
     const Vector3Of<DoubleDouble> a = widened(axis), c = central_.com - widened(point);
     const DoubleDouble squared = dot<DoubleDouble>(a, a);

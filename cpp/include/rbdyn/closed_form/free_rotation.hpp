@@ -127,7 +127,7 @@ private:
                 f.sn = -f.sn;
                 f.im = -f.im;
             }
-            if (const double half_steps = 0.5 * u.steps; half_steps != std::floor(half_steps)) {
+            if (u.is_odd()) {
                 f.sn = -f.sn;
                 f.cn = -f.cn;
             }

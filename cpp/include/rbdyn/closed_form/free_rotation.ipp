@@ -71,7 +71,7 @@ RBDYN_INLINE double FreeRotation::error(double t) const {
     if (defect_ > 0.0) {
         // a flip too late or too early shows while it lasts, 2 exp(-|y|)
         const Phase::Reduced y = argument_.at({t, 0.0});
-        const double late = defect_ * (1.0 + std::abs(y.steps));
+        const double late = defect_ * (1.0 + std::abs(y.steps.hi));
         const double shown = 2.0 * late * std::exp(std::min(late - std::abs(y.rest.hi), 0.0));
         // early on no more than the first roundings have grown to
         error += std::min(shown, 0x1p-100 * std::exp(argument_.rate().hi * std::abs(t)));

@@ -188,9 +188,7 @@ RBDYN_INLINE void LagrangeTop::fit(Factor& f, bool first, const DoubleDouble& x,
              (std::norm(g) + std::norm(slope));
 }
 
-RBDYN_INLINE double LagrangeTop::sign(const Phase::Reduced& at) {
-    return at.steps == 2.0 * std::nearbyint(0.5 * at.steps) ? 1.0 : -1.0;
-}
+RBDYN_INLINE double LagrangeTop::sign(const Phase::Reduced& at) { return at.is_odd() ? -1.0 : 1.0; }
 
 RBDYN_INLINE LagrangeTop::State LagrangeTop::heavy_at(Instant t) const {
     const Phase::Reduced at = place_.at(t);

@@ -68,8 +68,7 @@ RBDYN_INLINE Pendulum::State Pendulum::at(Instant t) const {
     auto [sn, cn] = jacobi_.at(place.rest.hi);
     const double dn = std::sqrt(cn * cn + complement_ * sn * sn), side = backward_ ? -1.0 : 1.0;
     if (kind_ == Kind::libration) {
-        const bool odd = place.steps != 2.0 * std::nearbyint(0.5 * place.steps);
-        const double half = std::atan2(modulus_ * sn, dn), sign = odd ? -side : side;
+        const double half = std::atan2(modulus_ * sn, dn), sign = place.is_odd() ? -side : side;
         return {(before_ + 2.0 * sign * half).hi, 2.0 * sign * speed_ * modulus_ * cn};
     }
     const DoubleDouble turned = whole_turn * place.steps + 2.0 * std::atan2(sn, cn);

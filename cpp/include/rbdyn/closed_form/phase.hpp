@@ -16,8 +16,13 @@ namespace rbdyn::inline RBDYN_FORM {
 class Phase {
 public:
     struct Reduced {
-        DoubleDouble rest;  // |rest| <= step/2
-        double steps;       // taken off, a whole number
+        DoubleDouble rest;   // |rest| <= step/2
+        DoubleDouble steps;  // taken off, a whole number
+
+        bool is_odd() const {
+            const DoubleDouble half = 0.5 * steps;
+            return floor(half) != half;
+        }
     };
 
     Phase() = default;

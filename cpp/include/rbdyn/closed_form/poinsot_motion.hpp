@@ -50,7 +50,8 @@ public:
     /// omega.K/|K|, the distance of the plane on which the ellipsoid of inertia rolls [rad/s].
     double plane_distance() const { return poinsot_plane_distance(inertia_, omega_); }
 
-    /// The way of omega in the body, and in the world, at times from 0 to a time, by default one period [rad/s].
+    /// The way of omega in the body, and in the world, at times from 0 to a time, by default one period [rad/s]. Throws
+    /// InvalidInput for a time in which |omega| makes more than 2^64 rad.
     std::vector<Vector3> polhode(int count, std::optional<double> until = std::nullopt) const;
     std::vector<Vector3> herpolhode(int count, std::optional<double> until = std::nullopt) const;
 

@@ -12,6 +12,7 @@
 
 #include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/error.hpp"
+#include "rbdyn/basics/interruption.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/body/principal_axes.hpp"
 #include "rbdyn/body/rigid_body.hpp"
@@ -69,10 +70,19 @@ RBDYN_INLINE std::vector<Vector3> PoinsotMotion::way(int count, const std::optio
     const double end = until.value_or(period());
     require(std::isfinite(end), "PoinsotMotion", "until", end,
             "this omega has no period; give the time up to which its way is wanted, in s");
+    // a phase of so many radians has 1e-12 of one left in the digits that it is computed in
+    constexpr double longest = 0x1p64;
+    require(
+        omega_.norm() * std::abs(end) <= longest, "PoinsotMotion", "until", end,
+        "beyond " + text(longest) + " rad of |omega| until nobody knows where on its way omega is; give less, in s");
     std::vector<Vector3> points;
+    points.reserve(static_cast<std::size_t>(count));
     for (int i = 0; i < count; ++i) {
+        Interruption::point();
         const FreeRotation::State s = rotation_.at(end * i / (count - 1));
         points.push_back(in_world ? to_world<double>(s.attitude, s.angular_velocity) : s.angular_velocity);
+        require(is_finite(points.back()), "PoinsotMotion", "|omega|", omega_.norm(),
+                "its motion is beyond doubles; give body and angular velocity in units in which it is not");
     }
     return points;
 }

@@ -9,6 +9,7 @@
 
 #include "rbdyn/basics/double_double.hpp"
 #include "rbdyn/basics/double_double_vector.hpp"
+#include "rbdyn/basics/interruption.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/curve/axes.hpp"
 
@@ -37,6 +38,7 @@ RBDYN_INLINE OwnAxes own_axes(const std::vector<Vector3>& vectors, double slack)
     const Vector3* farthest = nullptr;
     long double distance = 0.0L;
     for (const Vector3& v : vectors) {
+        if ((&v - vectors.data()) % 64 == 0) Interruption::point();
         const long double away = norm(across(along, LongVector(v)));
         if (away <= distance || away <= static_cast<long double>(tolerated(v))) continue;
         distance = away;

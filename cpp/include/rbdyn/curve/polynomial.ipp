@@ -11,6 +11,7 @@
 
 #include "rbdyn/basics/double_double_vector.hpp"
 #include "rbdyn/basics/error.hpp"
+#include "rbdyn/basics/interruption.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/curve/axes.hpp"
 #include "rbdyn/curve/checks.hpp"
@@ -25,7 +26,9 @@ RBDYN_INLINE void Polynomial::validate() const {
             "it must be at least 2, in increasing powers of u");
     double largest = 0.0;
     for (std::size_t k = 0; k < coefficients.size(); ++k) {
-        curves::require_finite("polynomial", "coefficient " + std::to_string(k), coefficients[k]);
+        if (k % 64 == 0) Interruption::point();
+        if (!is_finite(coefficients[k]))
+            curves::require_finite("polynomial", "coefficient " + std::to_string(k), coefficients[k]);
         if (k > 0) largest = std::max(largest, curves::largest(coefficients[k]));
     }
     require(largest > 0.0, "polynomial", "the largest coefficient after the first", largest,
@@ -53,16 +56,20 @@ RBDYN_INLINE bool PolynomialForm::operator==(const PolynomialForm& other) const 
 RBDYN_INLINE curves::OwnAxes PolynomialForm::axes_of(const Polynomial& polynomial) {
     // directions alone count: however small a coefficient, its power of u may make it large
     std::vector<Vector3> directions;
-    for (std::size_t k = 1; k < polynomial.coefficients.size(); ++k)
+    for (std::size_t k = 1; k < polynomial.coefficients.size(); ++k) {
+        if (k % 64 == 0) Interruption::point();
         if (!polynomial.coefficients[k].isZero(0.0)) directions.push_back(curves::unit(polynomial.coefficients[k]));
+    }
     return curves::own_axes(directions, 0.0);
 }
 
 RBDYN_INLINE curves::PolynomialPiece PolynomialForm::turned_into(const curves::OwnAxes& axes,
                                                                  const Polynomial& polynomial) {
     std::vector<curves::WideVector> c{widened(Vector3(Vector3::Zero()))};
-    for (std::size_t k = 1; k < polynomial.coefficients.size(); ++k)
+    for (std::size_t k = 1; k < polynomial.coefficients.size(); ++k) {
+        if (k % 64 == 0) Interruption::point();
         c.push_back(axes.of(widened(polynomial.coefficients[k])));
+    }
     return curves::PolynomialPiece(c);
 }
 

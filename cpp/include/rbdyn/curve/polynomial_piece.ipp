@@ -14,6 +14,7 @@
 
 #include "rbdyn/basics/double_double.hpp"
 #include "rbdyn/basics/double_double_vector.hpp"
+#include "rbdyn/basics/interruption.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/curve/arc_length.hpp"
 #include "rbdyn/curve/axes.hpp"
@@ -26,8 +27,10 @@ RBDYN_INLINE PolynomialPiece::PolynomialPiece(const std::vector<WideVector>& coe
     while (position_.size() > 2 && position_.back().isZero(0.0)) position_.pop_back();
     wide_[0].assign(coefficients.begin(), coefficients.begin() + static_cast<std::ptrdiff_t>(position_.size()));
     for (const std::size_t j : {std::size_t{1}, std::size_t{2}})
-        for (std::size_t k = 1; k < wide_[j - 1].size(); ++k)
+        for (std::size_t k = 1; k < wide_[j - 1].size(); ++k) {
+            if (k % 64 == 0) Interruption::point();
             wide_[j].push_back(wide_[j - 1][k] * DoubleDouble(static_cast<double>(k)));
+        }
     if (sizes_.empty())
         for (const Vector3& c : position_) sizes_.push_back(rbdyn::sizes(c));
     sizes_.resize(position_.size(), Vector3::Zero());

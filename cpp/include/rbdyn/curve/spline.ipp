@@ -30,13 +30,14 @@ RBDYN_INLINE void Spline::validate() const {
     const auto n = points.size();
     require(n >= (closed ? 3u : 2u), "spline", "number of points", static_cast<double>(n),
             closed ? "it must be at least 3 for a closed spline" : "it must be at least 2");
-    for (std::size_t k = 0; k < n; ++k) curves::require_finite("spline", "point " + std::to_string(k), points[k]);
-    for (std::size_t k = closed ? 0 : 1; k < n; ++k) {
+    for (std::size_t k = 0; k < n; ++k) {
+        if (k % 64 == 0) Interruption::point();
+        if (!is_finite(points[k])) curves::require_finite("spline", "point " + std::to_string(k), points[k]);
         const std::size_t before = (k + n - 1) % n;
-        require(points[k] != points[before], "spline",
-                "distance from point " + std::to_string(before) + " to point " + std::to_string(k), 0.0,
-                closed && k == 0 ? "a closed spline goes on to its first point: do not repeat it"
-                                 : "points that follow each other must differ");
+        if ((k == 0 && !closed) || points[k] != points[before]) continue;
+        refuse("spline", "distance from point " + std::to_string(before) + " to point " + std::to_string(k), 0.0,
+               k == 0 ? "a closed spline goes on to its first point: do not repeat it"
+                      : "points that follow each other must differ");
     }
     for (const auto& [k, slope] : slopes) {
         require(k >= 0 && static_cast<std::size_t>(k) < n, "spline", "index of a slope", k,
@@ -66,7 +67,10 @@ RBDYN_INLINE std::vector<WideVector> spline_slopes(const std::vector<WideVector>
     // rows: below[k] m_(k-1) + diagonal[k] m_k + above[k] m_(k+1) = m[k], eliminated from the first on
     std::vector<WideVector> m(n + 1);
     std::vector<Number> below(n + 1, 1.0), diagonal(n + 1, 4.0), above(n + 1, 1.0);
-    for (std::size_t k = 1; k < n; ++k) m[k] = times(3.0, chord[k - 1] + chord[k]);
+    for (std::size_t k = 1; k < n; ++k) {
+        if (k % 64 == 0) Interruption::point();
+        m[k] = times(3.0, chord[k - 1] + chord[k]);
+    }
     diagonal[0] = diagonal[n] = 1.0;
     above[0] = begin ? 0.0 : 2.0;
     below[n] = end ? 0.0 : 2.0;
@@ -74,12 +78,16 @@ RBDYN_INLINE std::vector<WideVector> spline_slopes(const std::vector<WideVector>
     m[n] = end ? *end : times(0.5, times(5.0, chord[n - 1]) + chord[n - 2]);
     // pivots lie between 0.4 and 4: no rows need be exchanged
     for (std::size_t k = 1; k <= n; ++k) {
+        if (k % 64 == 0) Interruption::point();
         const Number factor = below[k] / diagonal[k - 1];
         diagonal[k] -= factor * above[k - 1];
         m[k] -= factor * m[k - 1];
     }
     m[n] /= diagonal[n];
-    for (std::size_t k = n; k-- > 0;) m[k] = (m[k] - above[k] * m[k + 1]) / diagonal[k];
+    for (std::size_t k = n; k-- > 0;) {
+        if (k % 64 == 0) Interruption::point();
+        m[k] = (m[k] - above[k] * m[k + 1]) / diagonal[k];
+    }
     return m;
 }
 
@@ -91,7 +99,10 @@ RBDYN_INLINE std::vector<WideVector> closed_spline_slopes(const std::vector<Wide
     const WideVector first =
         (DoubleDouble(3.0) * (chord[n - 1] + chord[0]) - rest[n - 1] - rest[1]) / (4.0 + part[n - 1].x() + part[1].x());
     std::vector<WideVector> m(n + 1);
-    for (std::size_t k = 0; k <= n; ++k) m[k] = rest[k] + part[k].x() * first;
+    for (std::size_t k = 0; k <= n; ++k) {
+        if (k % 64 == 0) Interruption::point();
+        m[k] = rest[k] + part[k].x() * first;
+    }
     return m;
 }
 
@@ -105,6 +116,7 @@ RBDYN_INLINE SplineForm::SplineForm(const Spline& spline) : closed_(spline.close
     double largest = 0.0;
     std::vector<Vector3> from_first;
     for (const Vector3& p : points) {
+        if (from_first.size() % 64 == 0) Interruption::point();
         largest = std::max(largest, curves::largest(p));
         if (p != points[0]) from_first.emplace_back(p - points[0]);
     }
@@ -123,8 +135,14 @@ RBDYN_INLINE SplineForm::SplineForm(const Spline& spline) : closed_(spline.close
     using curves::WideVector;
     std::vector<WideVector> p, chord;
     std::map<std::size_t, WideVector> given;
-    for (const Vector3& point : points) p.push_back(axes.of(widened(point) - widened(points[0])));
-    for (std::size_t k = 0; k < stretches; ++k) chord.push_back(p[(k + 1) % n] - p[k]);
+    for (const Vector3& point : points) {
+        if (p.size() % 64 == 0) Interruption::point();
+        p.push_back(axes.of(widened(point) - widened(points[0])));
+    }
+    for (std::size_t k = 0; k < stretches; ++k) {
+        if (k % 64 == 0) Interruption::point();
+        chord.push_back(p[(k + 1) % n] - p[k]);
+    }
     for (const auto& [k, slope] : spline.slopes) given.emplace(static_cast<std::size_t>(k), axes.of(widened(slope)));
     const std::vector<WideVector> m = slopes(chord, given);
 

@@ -10,9 +10,11 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <unordered_set>
 #include <vector>
 
 #include "rbdyn/basics/error.hpp"
+#include "rbdyn/basics/interruption.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::file {
 
@@ -95,13 +97,68 @@ RBDYN_INLINE void Place::complain(std::string_view message) const {
     throw Refusal(reading_->document + ": " + (path_.empty() ? "" : path_ + ": ") + std::string(message));
 }
 
+namespace reading {
+
+/// The objects and lists that are open where a text is read, with the keys so far: a key that is there twice is
+/// refused, since one of its values would go unread.
+class Open {
+public:
+    void key(const std::string& name, const std::string& document) {
+        if (!levels_.back().keys.insert(name).second) {
+            const std::string within = path();
+            throw InvalidInput(document + ": " + (within.empty() ? "" : within + ": ") + "the key \"" +
+                               name.substr(0, 40) + "\" is there twice; give it once");
+        }
+        levels_.back().last = name;
+    }
+    /// An object, a list or a value begins.
+    void next() {
+        if (!levels_.empty() && levels_.back().is_list) ++levels_.back().index;
+    }
+    void begin(bool is_list) {
+        next();
+        levels_.push_back({is_list, {}, {}, -1});
+    }
+    void end() { levels_.pop_back(); }
+
+private:
+    struct Level {
+        bool is_list;
+        std::unordered_set<std::string> keys;
+        std::string last;
+        long index;
+    };
+    /// Of the innermost.
+    std::string path() const {
+        std::string result;
+        for (std::size_t i = 0; i + 1 < levels_.size(); ++i)
+            result += levels_[i].is_list ? "[" + std::to_string(levels_[i].index) + "]"
+                                         : (result.empty() ? "" : ".") + levels_[i].last;
+        return result;
+    }
+    std::vector<Level> levels_;
+};
+
+}  // namespace reading
+
 RBDYN_INLINE Json parsed(std::string_view text, const std::string& document) {
     // far more than any scene has
     constexpr int deepest = 64;
     bool is_too_deep = false;
-    const auto watch = [&](int depth, Json::parse_event_t, Json&) {
+    reading::Open open;
+    const auto watch = [&](int depth, Json::parse_event_t event, Json& value) {
+        Interruption::point();
         is_too_deep = is_too_deep || depth > deepest;
-        return !is_too_deep;
+        if (is_too_deep) return false;
+        switch (event) {
+            case Json::parse_event_t::object_start:
+            case Json::parse_event_t::array_start: open.begin(event == Json::parse_event_t::array_start); break;
+            case Json::parse_event_t::object_end:
+            case Json::parse_event_t::array_end: open.end(); break;
+            case Json::parse_event_t::key: open.key(value.get_ref<const std::string&>(), document); break;
+            case Json::parse_event_t::value: open.next();
+        }
+        return true;
     };
     try {
         Json json = Json::parse(text, watch);

@@ -16,6 +16,7 @@
 
 #include "rbdyn/basics/double_double.hpp"
 #include "rbdyn/basics/error.hpp"
+#include "rbdyn/basics/interruption.hpp"
 #include "rbdyn/file/described.hpp"
 #include "rbdyn/file/disk.hpp"
 #include "rbdyn/file/place.hpp"
@@ -230,6 +231,7 @@ void for_each_in(const Place& whole, std::string_view key, const F& f) {
     const auto list = whole.find(key);
     if (!list) return;
     for (std::size_t i = 0; i < list->size(); ++i) {
+        Interruption::point();
         const Place one = list->at(i);
         one.located([&] { f(one); });
     }

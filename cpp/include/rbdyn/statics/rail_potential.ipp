@@ -90,6 +90,7 @@ RBDYN_INLINE double RailPotential::tangential_force(double u) const {
 }
 
 RBDYN_INLINE double RailPotential::energy(double u, double speed) const {
+    require(std::isfinite(speed), user(), "speed", speed, "it is finite, in m/s");
     return 0.5 * mass() * speed * speed - value(u);
 }
 

@@ -20,6 +20,7 @@
 
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/basics/instant.hpp"
+#include "rbdyn/basics/interruption.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/closed_form/closed_form.hpp"
 #include "rbdyn/event/event.hpp"
@@ -511,6 +512,7 @@ RBDYN_INLINE std::map<std::string, double> Trajectory::drift() const {
     std::vector<double> first, largest(names.size()), scale(names.size());
     for (const std::string& name : names) first.push_back(integral_of(name, begin, start(), Side::after).first);
     for (const double time : times) {
+        Interruption::point();
         const SystemReport system = system_at(time, Side::after, Asked::motion);
         for (std::size_t k = 0; k < names.size(); ++k) {
             const auto [value, size] = integral_of(names[k], system, time, Side::after);
