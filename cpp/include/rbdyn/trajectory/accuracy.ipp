@@ -287,11 +287,15 @@ RBDYN_INLINE double AccuracyCheck::quickens(const Record& run) {
                 *way = {std::max(way->size, now.size), std::max(way->rate, now.rate)};
         }
     }
-    double most = 1.0;
-    for (std::size_t k = 0; k < n; ++k)
-        if (first[k].rate > 0.0 && all[k].size > 0.0)
-            most = std::max(most, all[k].rate / all[k].size * (first[k].size / first[k].rate));
-    return most;
+    // of what moves quickest beside its size: what hardly moves at first does not say how rounding grows
+    const auto pace = [](const std::vector<Way>& ways) {
+        double most = 0.0;
+        for (const Way& way : ways)
+            if (way.size > 0.0) most = std::max(most, way.rate / way.size);
+        return most;
+    };
+    const double before = pace(first);
+    return before > 0.0 ? std::max(1.0, pace(all) / before) : 1.0;
 }
 
 RBDYN_INLINE std::vector<double> AccuracyCheck::places(const Record& run) {
