@@ -121,6 +121,38 @@ inline bool leans(const ContactLaw& c, const std::vector<Moving<DoubleDouble>>& 
     return rounded(on.to_world(c.normal)).cwiseAbs().maxCoeff() < 1.0 - 0x1p-50;
 }
 
+/// The normal, in the world, of the plane that joints keep both bodies of a contact in, if it is along no axis of the
+/// world.
+inline std::optional<Vector3Of<DoubleDouble>> plane_of(const ContactLaw& c, const Tree& tree,
+                                                       const std::vector<Moving<DoubleDouble>>& start) {
+    constexpr double rounding = 16.0 * std::numeric_limits<double>::epsilon();
+    std::optional<Vector3Of<DoubleDouble>> plane;
+    for (const int body : {c.a.body, c.b.body}) {
+        if (body < 0) continue;
+        const Node& n = tree.node(body);
+        const PlanarLaw* law = n.parent < 0 ? n.joint.as<PlanarLaw>() : nullptr;
+        if (law == nullptr) return std::nullopt;
+        if (plane && rounded(*plane).cross(rounded(law->normal)).norm() > rounding) return std::nullopt;
+        if (!plane) plane = law->normal;
+    }
+    if (!plane) return std::nullopt;
+    const Vector3 n = rounded(*plane), sizes(std::abs(n[0]), std::abs(n[1]), std::abs(n[2]));
+    const bool is_axis = sizes.maxCoeff() == 1.0;
+    if (is_axis) return std::nullopt;
+    Vector3 normal = Vector3::Zero();
+    if (c.surface == ContactLaw::Surface::plane) {
+        Moving<DoubleDouble> on;
+        if (c.b.body >= 0) on = start[static_cast<std::size_t>(c.b.body)];
+        normal = rounded(on.to_world(c.normal));
+    } else if (c.part == ContactLaw::Part::ball) {
+        const Vector3Of<DoubleDouble> apart =
+            tree.point<DoubleDouble>(c.a, start).place - tree.point<DoubleDouble>(c.b, start).place;
+        normal = rounded(apart).normalized();
+    }
+    if (!(normal.norm() > 0.5) || std::abs(n.dot(normal)) > rounding) return std::nullopt;
+    return plane;
+}
+
 }  // namespace contacts
 
 RBDYN_INLINE Conditions::Conditions(const Scene& scene, const Tree& tree,
@@ -205,6 +237,7 @@ RBDYN_INLINE Conditions::Conditions(const Scene& scene, const Tree& tree,
             return &other != &c && (other.a.body == c.a.body || other.b.body == c.a.body ||
                                     (c.b.body >= 0 && (other.a.body == c.b.body || other.b.body == c.b.body)));
         };
+        if (c.is_rough()) c.across = contacts::plane_of(c, tree, start);
         c.is_along_plane = contacts::leans(c, start) && std::ranges::any_of(contacts_, shares);
         if (!c.never_slips() || tree.node(c.a.body).joint.as<FreeBodyLaw>() == nullptr) continue;
         for (const ContactLaw& other : contacts_)

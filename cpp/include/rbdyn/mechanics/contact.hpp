@@ -48,7 +48,13 @@ struct Touching {
     S gap = S(0.0);
     S flat = S(1.0);              // of a disc that touches with its rim: the sine squared of its tilt
     bool is_along_plane = false;  // the axes of what is held
+    bool is_in_plane = false;     // both move in one plane, as joints have them, with this normal
+    Vector3Of<S> across = none<S>();
 
+    /// Where it moves along the surface, of what moves in one plane.
+    Vector3Of<S> way() const { return cross<S>(across, normal); }
+    /// The condition on what does not move.
+    Row<S> no_row() const { return row(none<S>(), none<S>()); }
     /// The condition on accelerations along a direction that turns at a rate.
     Row<S> row(const Vector3Of<S>& along, const Vector3Of<S>& along_rate) const {
         Row<S> r{a, b, {}, {}, dot<S>(along, bias) + dot<S>(along_rate, velocity)};
@@ -56,8 +62,10 @@ struct Touching {
         r.on_b = on_b(along);
         return r;
     }
-    /// An axis that what is held is told along: of the world, or two along the plane and its normal.
+    /// An axis that what is held is told along: of the world, or two along the plane and its normal; of what moves in
+    /// one plane its way there, across it, and the normal.
     Vector3Of<S> held_axis(int k) const {
+        if (is_in_plane) return k == 0 ? way() : k == 1 ? across : normal;
         if (is_along_plane) return k < 2 ? tangents[k] : normal;
         Vector3Of<S> e = none<S>();
         e[k] = S(1.0);
@@ -65,6 +73,8 @@ struct Touching {
     }
     /// The condition on accelerations along it.
     Row<S> held_row(int k) const {
+        if (is_in_plane && k == 1) return no_row();
+        if (is_in_plane) return row(held_axis(k), k == 0 ? Vector3Of<S>(cross<S>(across, normal_rate)) : normal_rate);
         if (!is_along_plane) return row(held_axis(k), none<S>());
         return row(held_axis(k), k < 2 ? tangent_rates[k] : normal_rate);
     }
@@ -84,7 +94,10 @@ struct Touching {
     Wrench<S> on_a(const Vector3Of<S>& force) const { return wrench(aside_a, along_a, force); }
     Wrench<S> on_b(const Vector3Of<S>& force) const { return wrench(aside_b, along_b, -force); }
     /// The velocity along the surface.
-    Vector3Of<S> slip() const { return velocity - normal * dot<S>(normal, velocity); }
+    Vector3Of<S> slip() const {
+        if (is_in_plane) return way() * dot<S>(way(), velocity);
+        return velocity - normal * dot<S>(normal, velocity);
+    }
 
 private:
     // n x n is exactly zero: no rounding of a force along the normal turns what it passes through the centre of
@@ -136,6 +149,9 @@ struct ContactLaw {
     // would mix with it, is then known by digits of its own. Planes that start across an axis of the world have its
     // axes
     bool is_along_plane = false;
+    // of bodies that joints keep in one plane, which leans: its normal, in the world. Nothing moves along it but by
+    // rounding, and what joints bear there is no friction
+    std::optional<Vector3Of<DoubleDouble>> across;
 
     bool is_rough() const { return !mu_static.is_zero(); }
     /// Friction without bound, where what sticks would have to be pulled: it slides as with ever larger coefficients,
@@ -170,6 +186,8 @@ struct ContactLaw {
         result.a = a.body;
         result.b = b.body;
         result.is_along_plane = is_along_plane;
+        result.is_in_plane = across.has_value();
+        if (across) result.across = exactly<S>(*across);
         Moving<S> on;
         if (b.body >= 0) on = all[static_cast<std::size_t>(b.body)];
         const Moving<S>& of = all[static_cast<std::size_t>(a.body)];

@@ -26,6 +26,12 @@ inline std::pair<Vector3, Vector3> across(const Vector3& normal) {
     return {first, normal.cross(first)};
 }
 
+/// Two directions along a surface; of what moves in one plane the one along it first.
+inline std::pair<Vector3, Vector3> along(const mechanics::Touching<double>& t) {
+    if (t.is_in_plane) return {t.way(), t.across};
+    return across(t.normal);
+}
+
 /// What joints that slide do against what presses them: each of them factor e . R, with its direction e held.
 struct JointLaw {
     const std::vector<mechanics::RoughJoint>* joints = nullptr;

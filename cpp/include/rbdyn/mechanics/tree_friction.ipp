@@ -95,7 +95,7 @@ RBDYN_INLINE TreeModel::Touched TreeModel::touched(const Mode& before, double t,
         const auto& here = one.at;
         one.slip = here.slip();
         one.axes[0] = here.normal;
-        std::tie(one.axes[1], one.axes[2]) = friction::across(here.normal);
+        std::tie(one.axes[1], one.axes[2]) = friction::along(here);
         const int first = static_cast<int>(result.rows.size());
         // in an impact the dynamic coefficient counts alone
         const bool resists = c.is_rough() && !(strikes && c.mu_dynamic.is_zero());
@@ -115,7 +115,8 @@ RBDYN_INLINE TreeModel::Touched TreeModel::touched(const Mode& before, double t,
             result.pushes.back() = here.row(Vector3(here.normal - one.along * one.sliding), Vector3(Vector3::Zero()));
         } else if (resists) {
             for (int i = 1; i < 3; ++i) {
-                result.rows.push_back(here.row(one.axes[i], Vector3(Vector3::Zero())));
+                result.rows.push_back(i == 2 && here.is_in_plane ? here.no_row()
+                                                                 : here.row(one.axes[i], Vector3(Vector3::Zero())));
                 result.pushes.push_back(result.rows.back());
             }
         }
@@ -207,11 +208,11 @@ RBDYN_INLINE void TreeModel::settle_rough(const Mode& before, Mode& mode, double
 
 RBDYN_INLINE std::array<double, 2> TreeModel::slip_acceleration(const mechanics::Touching<double>& touching,
                                                                 const mechanics::TreeState& state) {
-    const auto [first, second] = friction::across(touching.normal);
+    const auto [first, second] = friction::along(touching);
     const auto along = [&](const Vector3& axis) {
         return acceleration_along(touching.row(axis, Vector3(Vector3::Zero())), state).first;
     };
-    return {along(first), along(second)};
+    return {along(first), touching.is_in_plane ? 0.0 : along(second)};
 }
 
 RBDYN_INLINE void TreeModel::turn(const Mode& before, Mode& mode, double t, std::span<const double> x,
@@ -233,7 +234,7 @@ RBDYN_INLINE void TreeModel::turn(const Mode& before, Mode& mode, double t, std:
         mechanics::ContactMemory memory = mechanics::ContactMemory::of(mode.memory, k);
         const Vector3 slip = touching.slip();
         const double speed = slip.norm();
-        const auto [first, second] = friction::across(touching.normal);
+        const auto [first, second] = friction::along(touching);
         const auto [along_first, along_second] = slip_acceleration(touching, state);
         const Vector3 rate = first * along_first + second * along_second;
         // what it loses within the rounding of the time its end is located is none

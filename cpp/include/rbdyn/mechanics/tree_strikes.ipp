@@ -89,9 +89,10 @@ RBDYN_INLINE std::vector<int> TreeModel::stop(double t, std::span<double> x, con
             continue;
         }
         stopped.push_back(k);
-        const auto [first, second] = friction::across(touching.normal);
+        const auto [first, second] = friction::along(touching);
         for (const Vector3& axis : {first, second}) {
-            rows.push_back(along(axis));
+            const bool is_none = touching.is_in_plane && &axis != &first && axis == second;
+            rows.push_back(is_none ? touching.no_row() : along(axis));
             acting.push_back(rows.back());
         }
     }
