@@ -360,16 +360,13 @@ RBDYN_INLINE Solution solve(const HybridModel& model, const std::vector<double>&
         constexpr double much = 100.0, roundings = 4.0;
         const auto is_right = [&](const Comparison& c) { return c.same_events && c.error <= options.error; };
         const double grown = roundings * std::numeric_limits<double>::epsilon() * comparison.quickens;
-        if (!form && comparison.quickens > much && !finer.manner.is_refined && grown > comparison.error) {
-            if (grown > doubtful * options.error && is_right(comparison) && judge == "taylor") {
+        if (judge == "taylor" && !form && run.record.modes.size() == 1 && comparison.quickens > much &&
+            !finer.manner.is_refined && is_right(comparison) && grown > comparison.error) {
+            if (grown > doubtful * options.error) {
                 amplifies = true;
                 continue;
             }
             result.error = comparison.error = grown;
-            if (grown > options.error)
-                result.certain_until = comparison.certain_until =
-                    std::min(comparison.certain_until,
-                             run.record.start + AccuracyCheck::first_part * (run.record.end.hi - run.record.start));
         }
         // where events multiply rounding a second judge, which rounds otherwise again, has to say the same
         if (is_right(comparison) && comparison.amplifies && run.record.modes.size() > 1) {

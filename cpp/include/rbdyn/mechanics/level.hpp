@@ -115,7 +115,8 @@ inline std::optional<Level> standing(const Node& node, const std::vector<const C
     }());
     if (!own) return std::nullopt;
     Vector3Of<DoubleDouble> way = cross<DoubleDouble>(law->normal, normal);
-    return Level{*own, normal, {way, way}, 1, false};
+    // what stands on it, and is kept in no plane, may go across that, too
+    return Level{*own, normal, {way, law->normal}, 1, false};
 }
 
 /// How a particle goes on along the planes of the world that it touches.

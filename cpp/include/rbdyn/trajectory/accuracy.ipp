@@ -400,9 +400,16 @@ RBDYN_INLINE bool AccuracyCheck::is_of_time(const Mode& mode) {
 }
 
 RBDYN_INLINE void AccuracyCheck::note_late(const Mode& mode, double t, std::span<const double> x) {
-    const double rounding = 0.5 * std::numeric_limits<double>::epsilon() * std::abs(t), later = t + 2.0 * rounding;
-    if (!(later > t)) return;
+    const double rounding = 0.5 * std::numeric_limits<double>::epsilon() * std::abs(t), later = t + 2.0 * rounding,
+                 earlier = t - 2.0 * rounding;
+    if (!(later > t && earlier < t)) return;
+    // a function that jumps does so on one side
+    std::vector<Observed> other;
+    model_.observe(mode, earlier, x, other);
     model_.observe(mode, later, x, seen_);
+    for (std::size_t k = 0; k < seen_.size(); ++k)
+        if (safe_norm(other[k].value - fine_[k].value) < safe_norm(seen_[k].value - fine_[k].value))
+            seen_[k].value = other[k].value;
     note(0.5 * rounding / (later - t), true, false);
 }
 
