@@ -77,3 +77,45 @@ def test_a_box_that_tips_under_a_disc(seed, mu):
     times = np.linspace(0, run.end, 100)
     for foot in feet:
         assert abs(run[foot].force(times) @ z).max() <= 1e-13 * (MASS + disc_mass) * WEIGHT
+
+
+@pytest.mark.parametrize("angle", [1e-4, 1e-6, 1e-8, 1e-9, 1e-10, 1e-12])
+@pytest.mark.parametrize("seed", range(3))
+def test_planes_that_hardly_lean(seed, angle):
+    """A box slides to rest on a plate in a plane beside one of the world; nothing turns them out of it."""
+    way = np.random.default_rng(seed).normal(size=3)
+    x, y, z = Rotation.from_rotvec(angle * way / np.linalg.norm(way)).as_matrix().T
+    scene = rb.Scene(gravity=-WEIGHT * z)
+    plate = scene.add(rb.RigidBody(0.8, [20.0] * 3), rb.Planar(x, z), position=[0, 0.05])
+    feet = [scene.contact(plate.point(at * x - 0.05 * z), rb.Plane(z), friction=rb.Coulomb(0.4)) for at in (-3, 3)]
+    box = scene.add(rb.RigidBody(0.5, [2.0] * 3), rb.Planar(x, z), position=[0, 0.2], velocity=[1.3, 0])
+    feet += [
+        scene.contact(box.point(at * x - 0.1 * z), plate.plane(z, 0.05 * z), friction=rb.Coulomb(0.21))
+        for at in (-1, 1)
+    ]
+    stops = 1.3 / (0.21 * WEIGHT)
+    run = rb.simulate(scene, stops + 0.3, error=1e-12)
+    assert run.events.times("stick") == pytest.approx([stops] * 2, rel=1e-12)
+    assert (run[box].position(run.end) - run[box].position(0)) @ x == pytest.approx(1.3 * stops / 2, rel=1e-12)
+    times = np.linspace(0, run.end, 20)
+    for body in (plate, box):
+        torque = run[body].reaction_torque(times)
+        assert abs(torque @ x).max() <= 1e-13 and abs(torque @ z).max() <= 1e-13
+    for foot in feet:
+        assert abs(run[foot].force(times) @ y).max() <= 1e-14
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_what_stands_still_takes_no_steps(seed):
+    """A plate that rests but for rounding does not keep the box that slides on it from one step to where it stops."""
+    turned = axes(seed)
+    x, _, z = turned.T
+    scene = rb.Scene(gravity=-WEIGHT * z)
+    plate = scene.add(rb.RigidBody(0.8, [20.0] * 3), rb.Planar(x, z), position=[0, 0.05])
+    for at in (-3, 3):
+        scene.contact(plate.point(at * x - 0.05 * z), rb.Plane(z), friction=rb.Coulomb(0.4))
+    box = scene.add(rb.RigidBody(0.5, [2.0] * 3), rb.Planar(x, z), position=[0, 0.2], velocity=[2.6, 0])
+    for at in (-1, 1):
+        scene.contact(box.point(at * x - 0.1 * z), plate.plane(z, 0.05 * z), friction=rb.Coulomb(0.21))
+    run = rb.simulate(scene, 1.2, rtol=1e-12)
+    assert run.statistics.steps <= 3

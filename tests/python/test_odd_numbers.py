@@ -398,6 +398,7 @@ def test_what_derives_from_numbers_that_are_none_is_refused(call, words, bad):
     [
         (lambda: TURNING.herpolhode(3, until=1e300), "until is 1e\\+300; beyond"),
         (lambda: TURNING.polhode(3, until=-1e308), "until is -1e\\+308; beyond"),
+        (lambda: rb.simulate(rb.Scene(), 8e307, start=-8e307), "until is 8e\\+307; it is at most 2\\^1020 s"),
         (lambda: BODY.inertia([0, 1e308, -1e308]), "of the inertia about a point is .*beyond what a double holds"),
         (lambda: LEANING.rates(np.zeros(6)), "sin theta is 0 is nan; Euler angles fail where"),
         (lambda: LEANING.state(rb.EulerAngles(0, 0, 0), [1, 1, 0]), "have no bound where sin theta is 0"),

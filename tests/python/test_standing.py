@@ -310,3 +310,17 @@ def test_starts_elsewhere_are_named_anew():
     assert len(rb.plan(scene).not_unique) == 4
     run = rb.simulate(scene, 0.1, initial={(table, "position"): [0, 0, 1.5]})
     assert run.plan.not_unique == []
+
+
+def test_what_is_shaken_and_stands_is_followed_as_long_as_asked():
+    """Steps of what does not move are no steps to and fro that lead nowhere."""
+    scene = rb.Scene(gravity=[0, 0, -G])
+    box = scene.add(rb.shapes.box(3.1, [0.1, 0.1, 0.02]), position=[0, 0, 0.01])
+    for x, y in [(-0.05, -0.05), (0.05, -0.05), (0, 0.05)]:
+        scene.contact(box.point([x, y, -0.01]), rb.Plane([0, 0, 1]), friction=rb.Coulomb(0.6))
+    push = 0.2 * 3.1 * G
+    scene.apply(rb.Force(lambda t, r, v: [push * np.sin(150.0 * t), 0.0 * t, 0.0 * t]), box)
+    run = rb.simulate(scene, 1e6, rtol=1e-9, keep="end", max_steps=4000)
+    # a step limit that is small beside what is left ends the run where it is reached, not after a thousand steps
+    assert run.status == "step limit" and run.statistics.steps == 4000
+    assert np.abs(run[box].position(run.end) - [0, 0, 0.01]).max() < 1e-15

@@ -68,6 +68,9 @@ RBDYN_INLINE SimulateOptions continued(const SimulateOptions& asked, const Conti
     return o;
 }
 
+/// Beyond it powers of two that count its time, and what moves in it, are no doubles.
+inline constexpr double longest_run = 0x1p1020;
+
 RBDYN_INLINE void validate(const SimulateOptions& o) {
     require(std::isfinite(o.start), "simulate", "start", o.start, "a time is finite, in s");
     require(std::isfinite(o.until), "simulate", "until", o.until,
@@ -76,6 +79,10 @@ RBDYN_INLINE void validate(const SimulateOptions& o) {
         refuse("simulate", "until", o.until,
                "a run ends after its start, which is " + text(o.start) +
                    " s; motion backwards is motion with reversed velocities");
+    if (!(o.until - o.start <= longest_run))
+        refuse("simulate", "until", o.until,
+               "it is at most 2^1020 s (1.1e307) after the start, " + text(o.start) +
+                   " s, for longer times are no doubles; take a larger unit of time");
     if (o.rtol) {
         if (o.error != SimulateOptions{}.error)
             refuse("simulate", "error", o.error,

@@ -525,8 +525,9 @@ RBDYN_INLINE double TaylorEngine::borne_out_at_end(double length) {
     end_slope_.resize(x_.size());
     roots_->set_parameters(parameters_, rounding_);
     constexpr int most_halvings_of_step = 60;
+    const double least = 8.0 * std::numeric_limits<double>::epsilon() * std::abs(t_.hi);
     double shorter = length;
-    for (int k = 0; k < most_halvings_of_step; ++k, shorter *= 0.5)
+    for (int k = 0; k < most_halvings_of_step && shorter * unit_ > least; ++k, shorter *= 0.5)
         if (bears_out(*roots_, shorter, shorter * unit_, end_, end_slope_)) return shorter;
     return length;
 }

@@ -62,6 +62,8 @@ RBDYN_INLINE Progress::Verdict Progress::after(const Mode& mode, const Piece& pi
     if (count_ < row) return Verdict::gets_on;
     pace_ = (end - since_) / count_;
     count_ = 0;
+    // what stands still goes nowhere, and need not
+    if (std::ranges::all_of(way_, [](double way) { return way == 0.0; })) return Verdict::gets_on;
     for (std::size_t i = 0; i < n; ++i)
         if (std::abs(x_[i] - origin_[i]) > 0.05 * way_[i]) return Verdict::gets_on;
     const double more = (until - end) / pace_;

@@ -113,12 +113,19 @@ inline double longest_arm(const Tree& tree, const std::vector<Condition>& condit
     return most;
 }
 
+/// Whether a unit vector is along no axis of the world, but for rounding.
+inline bool is_askew(const Vector3& direction) {
+    int along = 0;
+    for (const double part : direction) along += std::abs(part) > 0x1p-50 ? 1 : 0;
+    return along > 1;
+}
+
 /// Whether its plane starts across no axis of the world.
 inline bool leans(const ContactLaw& c, const std::vector<Moving<DoubleDouble>>& start) {
     if (c.surface != ContactLaw::Surface::plane) return false;
     Moving<DoubleDouble> on;
     if (c.b.body >= 0) on = start[static_cast<std::size_t>(c.b.body)];
-    return rounded(on.to_world(c.normal)).cwiseAbs().maxCoeff() < 1.0 - 0x1p-50;
+    return is_askew(rounded(on.to_world(c.normal)));
 }
 
 /// The normal, in the world, of the plane that joints keep both bodies of a contact in, if it is along no axis of the
@@ -136,9 +143,8 @@ inline std::optional<Vector3Of<DoubleDouble>> plane_of(const ContactLaw& c, cons
         if (!plane) plane = law->normal;
     }
     if (!plane) return std::nullopt;
-    const Vector3 n = rounded(*plane), sizes(std::abs(n[0]), std::abs(n[1]), std::abs(n[2]));
-    const bool is_axis = sizes.maxCoeff() == 1.0;
-    if (is_axis) return std::nullopt;
+    const Vector3 n = rounded(*plane);
+    if (!is_askew(n)) return std::nullopt;
     Vector3 normal = Vector3::Zero();
     if (c.surface == ContactLaw::Surface::plane) {
         Moving<DoubleDouble> on;

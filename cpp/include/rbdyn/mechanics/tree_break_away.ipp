@@ -99,10 +99,39 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
     const bool goes_past = shares_load(before) &&
                            std::ranges::any_of(fired.doubtful, [&](int k) { return sticks_without_bound(before, k); });
     const bool on_edges = may_be_on_edges && !goes_past;
+    const auto is_doubtful = [&](std::size_t i) {
+        return std::find(fired.doubtful.begin(), fired.doubtful.end(), candidates[i]) != fired.doubtful.end();
+    };
+    const auto let_go_of = [&](mechanics::ConeForces& forces, std::size_t i) {
+        const auto f = static_cast<std::size_t>(touched.cones[i].first);
+        forces.states[i] = ConeState::open;
+        for (std::size_t j = f; j < f + (touched.cones[i].is_line ? 1U : 3U); ++j) forces.force[j] = 0.0;
+    };
+    // what would have to pull opens, whatever rounding has left of its force
+    const auto open_doubtful = [&](mechanics::ConeForces& forces) {
+        const double largest = *std::max_element(forces.force.begin(), forces.force.end());
+        for (std::size_t i = 0; i < candidates.size(); ++i) {
+            const auto f = static_cast<std::size_t>(touched.cones[i].first);
+            // friction without bound may be all of it
+            const bool is_unbounded =
+                !touched.cones[i].is_line && conditions_->contacts()[at(candidates[i])].never_slips();
+            const double own =
+                is_unbounded ? std::hypot(forces.force[f], forces.force[f + 1], forces.force[f + 2]) : forces.force[f];
+            if (is_doubtful(i) && own <= 1e-8 * largest) let_go_of(forces, i);
+        }
+    };
     // first, whether all that is at rest can be held
     if (breaking.empty() && !is_over && (fired.doubtful.empty() || shares_load(before))) {
         found = mechanics::held_by(touched.matrix, b, noise, touched.cones);
         if (found.is_solved && take(before, mode, t, touched, found, b, noise, breaking, on_edges)) {
+            choose(mode, t, x, {}, true);
+            const std::vector<int> gone = press_no_more(before, mode, t, x, candidates, fired.doubtful);
+            if (gone.empty()) return;
+            // they are let go, and the others are held without them, if they can be
+            Mode without = undecided;
+            for (std::size_t i = 0; i < candidates.size(); ++i)
+                if (std::ranges::find(gone, candidates[i]) != gone.end()) let_go_of(found, i);
+            if (take(before, without, t, touched, found, b, noise, breaking, on_edges)) mode = std::move(without);
             choose(mode, t, x, {}, true);
             return;
         }
@@ -134,24 +163,6 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
         for (const double one : found.force) largest = std::max(largest, std::abs(one));
         for (std::size_t j = f; j < f + 3; ++j) own = std::max(own, std::abs(found.force[j]));
         return own <= 1e-13 * largest;
-    };
-    const auto is_doubtful = [&](std::size_t i) {
-        return std::find(fired.doubtful.begin(), fired.doubtful.end(), candidates[i]) != fired.doubtful.end();
-    };
-    // what would have to pull opens, whatever rounding has left of its force
-    const auto open_doubtful = [&](mechanics::ConeForces& forces) {
-        const double largest = *std::max_element(forces.force.begin(), forces.force.end());
-        for (std::size_t i = 0; i < candidates.size(); ++i) {
-            const auto f = static_cast<std::size_t>(touched.cones[i].first);
-            // friction without bound may be all of it
-            const bool is_unbounded =
-                !touched.cones[i].is_line && conditions_->contacts()[at(candidates[i])].never_slips();
-            const double own =
-                is_unbounded ? std::hypot(forces.force[f], forces.force[f + 1], forces.force[f + 2]) : forces.force[f];
-            if (!is_doubtful(i) || own > 1e-8 * largest) continue;
-            forces.states[i] = ConeState::open;
-            for (std::size_t j = f; j < f + (touched.cones[i].is_line ? 1U : 3U); ++j) forces.force[j] = 0.0;
-        }
     };
     while (true) {
         for (std::size_t i = 0; i < candidates.size(); ++i) {

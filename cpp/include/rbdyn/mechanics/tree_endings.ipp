@@ -58,6 +58,35 @@ RBDYN_INLINE std::vector<int> TreeModel::ending(const Mode& before, double t, st
     return result;
 }
 
+RBDYN_INLINE std::vector<int> TreeModel::press_no_more(const Mode& before, const Mode& mode, double t,
+                                                       std::span<const double> x, const std::vector<int>& of,
+                                                       const std::vector<int>& doubtful) const {
+    const auto forces_in = [&](const Mode& m) {
+        Evaluator<double> values(m.equations->program);
+        values.set_parameters(m.parameters);
+        values(t, x);
+        std::vector<double> forces(at(contacts()), 0.0);
+        for (int k = 0; k < contacts(); ++k)
+            if (const int force = force_of(m, k); force >= 0) forces[at(k)] = values.output(force);
+        return forces;
+    };
+    std::vector<int> result;
+    if (doubtful.empty() || before.equations == nullptr) return result;
+    const std::vector<double> were = forces_in(before), are = forces_in(mode);
+    // what is left of a force where it was found to end is what its series left out: shared anew it has more
+    double left = 0.0;
+    for (const int k : doubtful) left = std::max(left, std::abs(were[at(k)]));
+    const mechanics::TreeState state = look(mode, t, x);
+    bool is_any = false;
+    for (const int k : of) {
+        if (are[at(k)] > 4.0 * (left + 16.0 * epsilon * forces_at(k, state)) || !ends(mode, k, t, x)) continue;
+        result.push_back(k);
+        is_any = is_any || std::ranges::find(doubtful, k) != doubtful.end();
+    }
+    if (!is_any) result.clear();
+    return result;
+}
+
 RBDYN_INLINE bool TreeModel::settle_ending(const Mode& before, Mode& mode, double t, std::span<double> x,
                                            const std::vector<int>& candidates, const Fired& fired) const {
     const std::vector<int> of = ending(before, t, x, fired);

@@ -210,16 +210,20 @@ private:
                       const Fired& fired) const;
     /// Puts slips that turn, and those that are too slow to have a direction, in the form that follows them.
     void turn(const Mode& before, Mode& mode, double t, std::span<const double> x, const Fired& fired) const;
-    /// One turn of it: with some held contacts that break.
     /// Settles contacts whose forces have come to zero: each goes on as it did, and opens if it would have to pull.
     /// Returns false where that is not all there is to it.
     bool settle_ending(const Mode& before, Mode& mode, double t, std::span<double> x,
                        const std::vector<int>& candidates, const Fired& fired) const;
+    /// Of contacts those that press no more from here on in a mode in which loads are shared anew: none, unless one of
+    /// the doubtful is among them.
+    std::vector<int> press_no_more(const Mode& before, const Mode& mode, double t, std::span<const double> x,
+                                   const std::vector<int>& of, const std::vector<int>& doubtful) const;
     /// Contacts whose forces have come to zero where they were held or slid; those of friction have, too.
     std::vector<int> ending(const Mode& before, double t, std::span<const double> x, const Fired& fired) const;
     /// Whether what is left of a slip is rounding of the speeds that made it up, or what it loses within the rounding
     /// of the time at which its end is located.
     bool is_at_end(const Mode& before, int contact, double t, std::span<const double> x) const;
+    /// One turn of settling what is rough: with some held contacts that break.
     void settle_breaking(const Mode& before, Mode& mode, double t, std::span<double> x,
                          const std::vector<int>& candidates, const Fired& fired, std::vector<int> breaking) const;
     bool sticks_without_bound(const Mode& mode, int contact) const;

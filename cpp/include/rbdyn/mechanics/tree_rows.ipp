@@ -34,19 +34,23 @@ inline constexpr int least = 30;
 /// Of the numbers that a place is made of: by how much two branches miss each other that are no longer one.
 inline constexpr double misses = 1e-10;
 
-/// What touches rolls: how far its centre goes is measured by how far it turns, too, over its radius of gyration.
+/// What touches rolls: how far its centre goes is measured by how far it turns, too, over its radius of gyration. And
+/// what moves in a plane is as what moves freely.
 inline void measure_by_turns(const mechanics::Tree& tree, std::vector<VariableGroup>& groups) {
     for (const mechanics::Node& n : tree.nodes()) {
-        if (n.joint.as<mechanics::FreeBodyLaw>() == nullptr) continue;
+        const bool is_planar = n.joint.as<mechanics::PlanarLaw>() != nullptr;
+        if (n.joint.as<mechanics::FreeBodyLaw>() == nullptr && !is_planar) continue;
+        const int turns = is_planar ? mechanics::PlanarLaw::angle : n.joint.attitude();
         const auto& inertia = n.body.inertia;
         const double gyration =
             std::sqrt(static_cast<double>((inertia(0, 0) + inertia(1, 1) + inertia(2, 2)) / n.mass));
         for (VariableGroup& g : groups) {
-            const bool is_attitude = g.first == n.q + n.joint.attitude(),
-                       is_turning = g.first == tree.positions() + n.v + n.joint.attitude();
-            if (!(gyration > 0.0) || !(is_attitude || is_turning)) continue;
-            g.alike = is_attitude ? Alike::place : Alike::velocity;
-            g.measure = gyration;
+            const bool is_position = g.first < tree.positions();
+            const int k = g.first - (is_position ? n.q : tree.positions() + n.v);
+            if (k != turns && !(is_planar && k >= 0 && k < turns)) continue;
+            if (k == turns && !(gyration > 0.0)) continue;
+            g.alike = is_position ? Alike::place : Alike::velocity;
+            if (k == turns) g.measure = gyration;
         }
     }
 }

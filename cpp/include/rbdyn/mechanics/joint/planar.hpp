@@ -13,7 +13,7 @@ namespace rbdyn::inline RBDYN_FORM {
 namespace mechanics {
 
 struct PlanarLaw : Held {
-    static constexpr int positions = 3, velocities = 3;
+    static constexpr int positions = 3, velocities = 3, angle = 2;
     Vector3Of<DoubleDouble> x{}, y{}, normal{};
 
     template <class S>
