@@ -274,7 +274,7 @@ def in_a_program_of_its_own(program):
 def test_a_keyword_with_half_a_character_is_refused_by_its_name():
     """What tells of a call writes its keywords in UTF-8."""
     told = in_a_program_of_its_own(
-        """
+        r"""
 import rbdyn as rb
 odd, scene = {"\ud800": 1}, rb.Scene()
 for call in (
@@ -294,12 +294,12 @@ for call in (
     try:
         call()
     except (TypeError, rb.InvalidInput) as refused:
-        print(type(refused).__name__, ascii(str(refused)).replace("\\\\", "\\"))
+        print(str(refused).replace("\n", " "))
 """
     )
     assert len(told) == 12 and all("\\ud800" in line for line in told), told
-    assert told[0] == "TypeError \"Particle: there is no argument '\\ud800'; it takes mass\""
-    assert told[9].startswith("InvalidInput 'Scene.add: there is no")
+    assert told[0].startswith("Particle: there is no argument '\\ud800'; it takes mass")
+    assert told[9].startswith('Scene.add: unexpected keyword "\\ud800"; a particle that is free starts with position')
 
 
 class Uncounted:
