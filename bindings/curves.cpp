@@ -115,7 +115,13 @@ where it began, in r and r', and its parameter counts on; domain is one round.)"
         .def(
             "length",
             [](const Curve& c, const ArrayLike& u0, const ArrayLike& u1) {
-                return over_both(u0, u1, "Curve", "u0", "u1", [&](double a, double b) { return c.length(a, b); });
+                return over_both(u0, u1, "Curve", "u0", "u1", [&](double a, double b) {
+                    const double length = c.length(a, b);
+                    if (!std::isfinite(length))
+                        rbdyn::refuse("Curve", "the arc length from " + rbdyn::text(a) + " to " + rbdyn::text(b),
+                                      length, "no double holds it; measure shorter stretches");
+                    return length;
+                });
             },
             py::arg("u0"), py::arg("u1"), "Arc length from u0 to u1, negative if u1 < u0 [m]. Arrays are broadcast.")
         .def(

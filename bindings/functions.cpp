@@ -108,6 +108,10 @@ Function recorded_by_hand(const py::object& f, const std::optional<int>& inputs)
     if (py::isinstance<Function>(f)) return f.cast<Function>();
     if (PyCallable_Check(f.ptr()) == 0) throw InvalidInput("Function: f is " + shown(f) + "; it is a function");
     const int count = inputs ? *inputs : py::module_::import("rbdyn.reasons").attr("parameters")(f).cast<int>();
+    // 300 MB while it is recorded
+    constexpr int most = 1'000'000;
+    rbdyn::require(count >= 0 && count <= most, "Function", "inputs", count,
+                   "it takes from 0 to " + std::to_string(most) + " numbers; give fewer");
     const std::string name = name_of(f);
     const Attempt a = attempt(
         f,
@@ -333,7 +337,8 @@ Recorded by calling f once, or once for each side of an `if`. Data: it can be pr
 given wherever a function with its inputs is taken. Raises InvalidInput if f cannot be recorded.)");
     function
         .def(py::init(&recorded_by_hand), py::arg("f"), py::arg("inputs") = py::none(),
-             "f: of `inputs` numbers, by default as many as it has parameters; returns a number, or an array of them.")
+             "f: of `inputs` numbers, by default as many as it has parameters, a million at most; returns a number, or "
+             "an array of them.")
         .def_property_readonly("inputs", &Function::inputs, "How many numbers it takes.")
         .def_property_readonly("outputs", &Function::outputs, "How many numbers it gives.")
         .def_property_readonly(

@@ -127,7 +127,6 @@ py::tuple sweep(const BoundScene& scene, const py::dict& vary, py::ssize_t count
         if (!calls_python(copy)) free.emplace();
         done = rbdyn::simulate_many(copy, members, options);
     }
-    watch.look(1.0);
     py::list runs, errors;
     for (rbdyn::Member& member : done) {
         if (!member.attempt) {
@@ -140,6 +139,8 @@ py::tuple sweep(const BoundScene& scene, const py::dict& vary, py::ssize_t count
         errors.append(failure_of(*member.attempt, run));
         member = {};
     }
+    // an interruption meanwhile does not lose what is done
+    watch.look(1.0);
     return py::make_tuple(runs, errors, watch.raised() ? py::object(watch.raised()->value()) : py::none());
 }
 

@@ -11,6 +11,9 @@
 
 namespace {
 
+constexpr const char* lack_of_memory =
+    "rbdyn: there is not the memory for what is asked; ask for fewer points, times or members at once";
+
 /// Gives a function or method the signature that inspect.signature() reads, and a docstring.
 void describe(const pybind11::object& function, const std::string& signature, const std::string& text) {
     PyObject* f = function.ptr();
@@ -62,16 +65,89 @@ bool explain(PyObject* const* arguments, std::size_t count, PyObject* names) {
 using FastCall = PyObject* (*)(PyObject*, PyObject* const*, std::size_t, PyObject*);
 FastCall dispatch = nullptr;
 
+/// Whether UTF-8 can write all of the words.
+bool are_written(PyObject* names) {
+    for (Py_ssize_t i = 0; names != nullptr && i < PyTuple_GET_SIZE(names); ++i) {
+        if (PyUnicode_AsUTF8(PyTuple_GET_ITEM(names, i)) != nullptr) continue;
+        PyErr_Clear();
+        return false;
+    }
+    return true;
+}
+
+/// The words, what UTF-8 cannot write escaped.
+pybind11::tuple escaped(PyObject* names) {
+    pybind11::tuple all(static_cast<std::size_t>(PyTuple_GET_SIZE(names)));
+    for (std::size_t i = 0; i < all.size(); ++i)
+        all[i] = pybind11::str(binding::plain(PyTuple_GET_ITEM(names, static_cast<Py_ssize_t>(i))));
+    return all;
+}
+
+/// As pybind11 calls a function. What it says of a call that no overload takes is made outside what it catches: half a
+/// character in a keyword, say, would end the process. No argument has such a name, so that the call is refused by it.
+PyObject* called(PyObject* self, PyObject* const* arguments, std::size_t count, PyObject* names) {
+    try {
+        if (are_written(names)) return dispatch(self, arguments, count, names);
+        const pybind11::tuple words = escaped(names);
+        return dispatch(self, arguments, count, words.ptr());
+    } catch (pybind11::error_already_set& e) {
+        e.restore();
+    } catch (const std::exception&) {
+        PyErr_SetString(PyExc_MemoryError, lack_of_memory);
+    }
+    return nullptr;
+}
+
+/// An argument that says it has more items than a machine counts is named: Python's own error names none.
+void explain_length(PyObject* self, PyObject* const* arguments, std::size_t count, PyObject* names) {
+    namespace py = pybind11;
+    py::object raised[3];
+    PyErr_Fetch(&raised[0].ptr(), &raised[1].ptr(), &raised[2].ptr());
+    try {
+        const auto positional = static_cast<std::size_t>(PyVectorcall_NARGS(count));
+        const std::size_t all = positional + (names != nullptr ? static_cast<std::size_t>(PyTuple_GET_SIZE(names)) : 0);
+        const auto* const record = py::detail::function_record_ptr_from_PyObject(self);
+        for (std::size_t i = 0; i < all; ++i) {
+            if (PyObject_Size(arguments[i]) >= 0) continue;
+            const bool is_counted = PyErr_ExceptionMatches(PyExc_OverflowError) == 0;
+            PyErr_Clear();
+            if (is_counted) continue;
+            const bool is_named = i < record->args.size() && record->args[i].name != nullptr;
+            const std::string name =
+                i >= positional ? binding::plain(PyTuple_GET_ITEM(names, static_cast<Py_ssize_t>(i - positional)))
+                : is_named      ? record->args[i].name
+                                : "argument " + std::to_string(i);
+            std::string function = record->name;
+            if (record->is_method) {
+                const std::string kind = py::str(py::type::handle_of(arguments[0]).attr("__name__"));
+                function = record->is_constructor ? kind : kind + "." + function;
+            }
+            const std::string sentence = function + ": " + name + " is " + binding::shown(arguments[i]) +
+                                         ", whose length is 2**63 or more; give a list";
+            py::set_error(PyExc_TypeError, sentence.c_str());
+            return;
+        }
+    } catch (py::error_already_set& e) {
+        e.restore();
+        return;
+    }
+    PyErr_Restore(raised[0].release().ptr(), raised[1].release().ptr(), raised[2].release().ptr());
+}
+
 PyObject* explained(PyObject* self, PyObject* const* arguments, std::size_t count, PyObject* names) {
-    PyObject* const result = dispatch(self, arguments, count, names);
-    if (result == nullptr && PyErr_ExceptionMatches(PyExc_TypeError)) explain(arguments, count, names);
-    return result;
+    PyObject* const result = called(self, arguments, count, names);
+    if (result != nullptr) return result;
+    if (PyErr_ExceptionMatches(PyExc_TypeError) != 0)
+        explain(arguments, count, names);
+    else if (PyErr_ExceptionMatches(PyExc_OverflowError) != 0)
+        explain_length(self, arguments, count, names);
+    return nullptr;
 }
 
 /// The same of __setstate__: what is raised where data are not as they were pickled says whose they are.
 PyObject* explained_state(PyObject* self, PyObject* const* arguments, std::size_t count, PyObject* names) {
     namespace py = pybind11;
-    PyObject* const result = dispatch(self, arguments, count, names);
+    PyObject* const result = called(self, arguments, count, names);
     if (result != nullptr || PyVectorcall_NARGS(count) < 1) return result;
     for (PyObject* const type : {PyExc_LookupError, PyExc_TypeError, PyExc_AttributeError, PyExc_OverflowError}) {
         if (PyErr_ExceptionMatches(type) == 0) continue;
@@ -101,9 +177,6 @@ void explain_calls(const pybind11::handle& function) {
     method->ml_meth =
         reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(is_state ? &explained_state : &explained));
 }
-
-constexpr const char* lack_of_memory =
-    "rbdyn: there is not the memory for what is asked; ask for fewer points, times or members at once";
 
 /// An object that __new__ made and nothing else has no value: pybind11 would give it raw memory for one.
 void* refuse_raw(std::size_t) {
@@ -161,7 +234,11 @@ void guard(const pybind11::module_& m) {
         py::detail::type_info* const info = py::detail::get_type_info(reinterpret_cast<PyTypeObject*>(thing.ptr()));
         if (info == nullptr || !thing.attr("__module__").equal(m.attr("__name__"))) continue;
         info->operator_new = &refuse_raw;
-        for (const auto& [word, function] : py::dict(thing.attr("__dict__"))) explain_calls(function);
+        for (const auto& [word, member] : py::dict(thing.attr("__dict__"))) {
+            explain_calls(member);
+            if (!PyObject_TypeCheck(member.ptr(), &PyProperty_Type)) continue;
+            for (const char* const accessor : {"fget", "fset"}) explain_calls(member.attr(accessor));
+        }
     }
 }
 

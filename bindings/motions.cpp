@@ -192,11 +192,19 @@ void bind_contact_motion(py::module_& m) {
             "state",
             [](const BoundContact& self, const ArrayLike& t, const SideName& name) -> py::object {
                 const Side side = side_of(name);
-                if (doubles(t, "Trajectory", "time").ndim() == 0)
-                    return py::cast(self.motion.state(number(t, "Trajectory", "time"), side));
-                py::list all;
-                for (const double x : list_of_doubles(t, "Trajectory", "time")) all.append(self.motion.state(x, side));
-                return py::object(all);
+                const Array times = doubles(t, "Trajectory", "time");
+                const auto state = [&](double x) { return self.motion.state(x, side); };
+                if (times.ndim() == 0) return py::cast(unlocked([&] { return state(*times.data()); }));
+                const std::vector<double> list = list_of_doubles(times, "Trajectory", "time");
+                const auto words = unlocked([&] {
+                    std::vector<std::string> all;
+                    for (std::size_t i = 0; i < list.size(); ++i) {
+                        if (i % 64 == 0) rbdyn::Interruption::point();
+                        all.push_back(state(list[i]));
+                    }
+                    return all;
+                });
+                return py::cast(words);
             },
             py::arg("t"), py::arg("side") = after(),
             R"("open", "sticks" or "slides"; a list of them for several times.)")

@@ -45,6 +45,11 @@ py::module_ reasons() { return py::module_::import("rbdyn.reasons"); }
 Recording* Recording::current() { return recordings().empty() ? nullptr : recordings().back(); }
 
 py::object Recording::input(int index) {
+    // of very many: an interruption ends it, and other threads run meanwhile
+    if (index % 1024 == 1023) {
+        if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+        const py::gil_scoped_release others;
+    }
     inputs_ = std::max(inputs_, index + 1);
     return recorded_number(recorder_.input(index), shared_from_this());
 }

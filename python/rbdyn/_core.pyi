@@ -450,7 +450,7 @@ class Function:
         ...
     def __init__(self, f: typing.Any, inputs: typing.SupportsInt | typing.SupportsIndex | None = None) -> None:
         """
-        f: of `inputs` numbers, by default as many as it has parameters; returns a number, or an array of them.
+        f: of `inputs` numbers, by default as many as it has parameters, a million at most; returns a number, or an array of them.
         """
     def __reduce__(self) -> tuple[typing.Any, tuple[typing.Any, ...]]:
         ...

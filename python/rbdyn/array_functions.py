@@ -11,6 +11,7 @@ import numpy as np
 
 from rbdyn import _core
 from rbdyn.errors import InvalidInput
+from rbdyn.shown import shown
 from rbdyn.tracing import FUNCTIONS, NOTHING, SCALAR, array, each, hooked, into, is_recorded, objects, reduced
 
 # --- array functions that depend on values ---
@@ -33,8 +34,26 @@ def where(condition: Any, a: Any, b: Any) -> Any:
         return np.where(condition, a, b)[()]
     except OverflowError:
         raise InvalidInput(
-            f"where: {a!r} or {b!r} is a whole number that NumPy has no type for; give it as a float"
+            f"where: {shown(a)} or {shown(b)} is a whole number that NumPy has no type for; give it as a float"
         ) from None
+    except (TypeError, ValueError) as problem:
+        raise InvalidInput(f"where: {_misfit(condition, a, b)}") from problem
+
+
+def _misfit(condition: Any, a: Any, b: Any) -> str:
+    """Why np.where() does not take them."""
+    arrays = {}
+    for name, value in (("condition", condition), ("a", a), ("b", b)):
+        try:
+            arrays[name] = np.asarray(value)
+        except Exception:
+            return f"{name} is {shown(value)}; give numbers, or an array of numbers"
+    shapes = [array.shape for array in arrays.values()]
+    try:
+        np.broadcast_shapes(*shapes)
+    except ValueError:
+        return f"condition has shape {shapes[0]}, a {shapes[1]} and b {shapes[2]}; give arrays of one shape, or numbers"
+    return f"a is of type {arrays['a'].dtype} and b of {arrays['b'].dtype}; give numbers, or arrays of them"
 
 
 def _clip(x: Any, a_min: Any = None, a_max: Any = None, out: Any = None, *, min: Any = None, max: Any = None) -> Any:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import re
-import reprlib
 from typing import Any
 
 from rbdyn import _core
 from rbdyn.quantities import RULE, has_unit
+from rbdyn.shown import shown
 
 _HEAD = re.compile(r"^([\w.]+)\(\): incompatible (function|constructor) arguments")
 _LINE = re.compile(r"^    \d+\. (?:[\w.]+)?\((.*)\)(?: -> .*)?$", re.MULTILINE)
@@ -33,8 +33,6 @@ _WORDS = {
 }
 # what functions are called by whoever calls them
 _CALLED = {"_sweep": "simulate_many", "_check_sweep": "simulate_many"}
-_repr = reprlib.Repr()
-_repr.maxstring = _repr.maxother = 60
 
 
 class _Argument:
@@ -166,14 +164,6 @@ def _rule(kind: str) -> str:
     return told[0] if len(told) == 1 else ", ".join(told[:-1]) + " or " + told[-1]
 
 
-def _shown(value: Any) -> str:
-    try:
-        text = _repr.repr(value)
-    except Exception:
-        text = f"a {type(value).__name__}"
-    return text.encode("utf-8", "backslashreplace").decode().replace("\0", "\\x00")
-
-
 def _takes(arguments: list[_Argument]) -> str:
     if not arguments:
         return "it takes none"
@@ -190,7 +180,7 @@ def _complaint(arguments: list[_Argument], given: list[Any], named: dict[str, An
     pairs += [(known[word], value) for word, value in named.items() if word in known]
     for far, (argument, value) in enumerate(pairs):
         if not any(_may_be(value, kind) for kind in _alternatives(argument.kind)):
-            what = f"{argument.name} is {_shown(value)}"
+            what = f"{argument.name} is {shown(value)}"
             if _has_unit(value):
                 return far, f"{what}; {RULE}"
             if "int" in _alternatives(argument.kind) and hasattr(value, "__index__"):
@@ -201,7 +191,7 @@ def _complaint(arguments: list[_Argument], given: list[Any], named: dict[str, An
     far = len(pairs)
     for word in named:
         if word not in known and not takes_words:
-            return far, f"there is no argument {_shown(word)}; {_takes(arguments)}"
+            return far, f"there is no argument {shown(word)}; {_takes(arguments)}"
         if any(a.name == word for a, _ in zip(by_place, given, strict=False)):
             return far, f"{word} is given twice, by its place and by its name; give it once"
     if len(given) > len(by_place) and not takes_more:
@@ -214,9 +204,9 @@ def _complaint(arguments: list[_Argument], given: list[Any], named: dict[str, An
             return far, f"{argument.name} is missing; {'give one' if rule == 'anything' else f'it is {rule}'}"
     for argument, value in pairs:
         if _has_unit(value):
-            return far, f"{argument.name} is {_shown(value)}; {RULE}"
+            return far, f"{argument.name} is {shown(value)}; {RULE}"
     # what it is cannot be told from the signature: a number out of range, or a list with one
-    listed = ", ".join(f"{a.name} {_shown(v)}" for a, v in pairs)
+    listed = ", ".join(f"{a.name} {shown(v)}" for a, v in pairs)
     rules = ", ".join(f"{a.name} is {_rule(a.kind)}" for a in arguments if not a.optional)
     return far, f"a value is out of range: {listed}" + (f"; {rules}" if rules else "")
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from rbdyn.errors import InvalidInput
+from rbdyn.shown import shown
 
 PICTURES = (".png", ".svg", ".pdf", ".eps", ".jpg", ".jpeg", ".webp")
 PAGES = (".html", ".htm")
@@ -16,10 +17,16 @@ ANIMATIONS = (".gif", ".mp4")
 def place_of(path: Any, user: str, fix: str = "") -> Path:
     """The path as one. Raises TypeError for what is none; `fix` says what is given in its place, if that is known."""
     if not isinstance(path, (str, os.PathLike)):
-        raise TypeError(f"{user}: path is {path!r}; it is a string or a path{f'; {fix}' if fix else ''}")
+        raise TypeError(f"{user}: path is {shown(path)}; it is a string or a path{f'; {fix}' if fix else ''}")
     text = os.fsdecode(path)
     if "\0" in text:
         raise InvalidInput(f"{user}: path is {text!r}; no path has a zero in it, give another")
+    try:
+        os.fsencode(text)
+    except UnicodeEncodeError:
+        raise InvalidInput(
+            f"{user}: path is {text!r}, which has half a character (a surrogate) in it; give text that UTF-8 can write"
+        ) from None
     return Path(text)
 
 

@@ -19,6 +19,7 @@ from rbdyn import _core, outlines
 from rbdyn.errors import InvalidInput
 from rbdyn.outlines import Outline
 from rbdyn.recorded import evaluated
+from rbdyn.shown import shown
 
 if TYPE_CHECKING:
     from rbdyn._core import BodyHandle, Curve, Trajectory
@@ -147,7 +148,7 @@ def frames_of(run: Trajectory, what: str, fps: float, speed: float | None) -> tu
     """Times (n,) of the frames [s], and the time between two as they are played [s]."""
     for name, number in (("fps", fps), ("speed", speed)):
         if number is not None and not (isinstance(number, (int, float)) and 0 < number < np.inf):
-            raise InvalidInput(f"{what}: {name} is {number!r}; it is a positive number")
+            raise InvalidInput(f"{what}: {name} is {shown(number)}; it is a positive number")
     span = run.end - run.start
     if not span > 0:
         raise InvalidInput(f"{what}: the run has no length, its end is its start, {run.start:g} s; run it for a while")

@@ -15,6 +15,7 @@ import numpy as np
 from rbdyn import _core
 from rbdyn.destinations import place_of
 from rbdyn.errors import InvalidInput
+from rbdyn.shown import shown
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -59,7 +60,7 @@ def save(thing: Scene | Trajectory, path: str | os.PathLike[str]) -> None:
         (_save_npz if place.suffix.lower() == ".npz" else _save_h5)(content, _contents(thing))
         _write(place, content.getvalue())
     else:
-        raise InvalidInput(f"save: {thing!r} is neither a scene nor a run")
+        raise InvalidInput(f"save: {shown(thing)} is neither a scene nor a run")
 
 
 def scene_schema() -> dict[str, Any]:

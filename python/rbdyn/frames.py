@@ -2,11 +2,50 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+import sys
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from rbdyn.shown import shown
 
 if TYPE_CHECKING:
-    import numpy as np
     import numpy.typing as npt
+
+
+# --- what tuples of arrays are asked: Python's own would ask whether an array is true ---
+
+
+def _is(part: npt.NDArray[np.float64], value: Any) -> bool:
+    return part is value or np.array_equal(part, value)
+
+
+def _equal(self: tuple[Any, ...], other: object) -> bool:
+    """Whether all of their numbers are equal."""
+    if not isinstance(other, tuple):
+        return NotImplemented
+    return len(self) == len(other) and all(map(_is, self, other))
+
+
+def _unequal(self: tuple[Any, ...], other: object) -> bool:
+    return not _equal(self, other) if isinstance(other, tuple) else NotImplemented
+
+
+def _contains(self: tuple[Any, ...], value: object) -> bool:
+    return any(_is(part, value) for part in self)
+
+
+def _count(self: tuple[Any, ...], value: Any) -> int:
+    """How many of the fields have the numbers of value."""
+    return sum(_is(part, value) for part in self)
+
+
+def _index(self: Any, value: Any, start: int = 0, stop: int = sys.maxsize) -> int:
+    """The place of the first field that has the numbers of value. Raises ValueError if there is none."""
+    for place in range(len(self))[start:stop]:
+        if _is(self[place], value):
+            return place
+    raise ValueError(f"{type(self).__name__}.index: {shown(value)} is none of {', '.join(self._fields)}")
 
 
 class Frenet(NamedTuple):
@@ -43,3 +82,9 @@ class PointMotion(NamedTuple):
 
     position: npt.NDArray[np.float64]
     velocity: npt.NDArray[np.float64]
+
+
+for _kind in (Frenet, PrincipalAxes, Imbalance, Axis, PointMotion):
+    _own: Any = _kind
+    _own.__eq__, _own.__ne__, _own.__hash__ = _equal, _unequal, None
+    _own.__contains__, _own.count, _own.index = _contains, _count, _index

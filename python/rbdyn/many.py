@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
+from types import NoneType
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
+from rbdyn import _core
 from rbdyn.errors import Error, InvalidInput
+from rbdyn.shown import shown
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -35,6 +38,16 @@ class Many:
     """
 
     def __init__(self, runs: list[Any], errors: list[Any], vary: dict[Any, Any], start: float, until: float) -> None:
+        if not isinstance(runs, list) or not all(isinstance(run, (_core.Trajectory, NoneType)) for run in runs):
+            raise TypeError(f"Many: runs is {shown(runs)}; it is a list of runs, or None for one that did not begin")
+        if not isinstance(errors, list) or not all(isinstance(error, (BaseException, NoneType)) for error in errors):
+            raise TypeError(
+                f"Many: errors is {shown(errors)}; it is a list of exceptions, or None where nothing failed"
+            )
+        if len(errors) != len(runs):
+            raise InvalidInput(f"Many: errors has {len(errors)} members and runs {len(runs)}; give one for each run")
+        if not isinstance(vary, Mapping):
+            raise TypeError(f"Many: vary is {shown(vary)}; it is the mapping that simulate_many() takes")
         self._runs, self._errors, self._vary = runs, errors, vary
         self._start, self._until = start, until
 
@@ -103,11 +116,12 @@ class Many:
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_"):
-            raise AttributeError(name)
+            raise AttributeError(f"Many: it has no {name!r}; simulate_many() makes one that is whole")
         return self._over(name, lambda run: run)
 
     def __dir__(self) -> list[str]:
-        some = next((run for run in self._runs if run is not None), None)
+        # also of one that __new__ made, which has none
+        some = next((run for run in vars(self).get("_runs", []) if run is not None), None)
         return sorted({*super().__dir__(), *(n for n in dir(some) if not n.startswith("_"))})
 
     def _over(self, name: str, part: Callable[[Any], Any]) -> Any:
@@ -191,7 +205,7 @@ class Many:
         for status in self.status:
             count[status] = count.get(status, 0) + 1
         lines = [f"Many: {len(self)} members: " + ", ".join(f"{n} {status}" for status, n in count.items())]
-        names = [f"{key[0].name} {key[1]}" if isinstance(key, tuple) else repr(key) for key in self._vary]
+        names = [f"{key[0].name} {key[1]}" if isinstance(key, tuple) else shown(key) for key in self._vary]
         lines.append("  varied " + ", ".join(names))
         if len(self.failed) < len(self):
             good = np.delete(self.error, self.failed)

@@ -14,6 +14,7 @@ from rbdyn.destinations import write_figure
 from rbdyn.errors import InvalidInput
 from rbdyn.plots import COLORS, POINTS, _figure_class, _tidy
 from rbdyn.sample import AXES, QUANTITIES, axes_of
+from rbdyn.shown import shown
 
 if TYPE_CHECKING:
     from rbdyn._core import Trajectory
@@ -63,7 +64,7 @@ def plot(
                 name for one in handles for name in self[one].quantities if name in QUANTITIES or name == "rate"
             )
             raise InvalidInput(
-                f"Trajectory.plot: there is no quantity {name!r}; there are {', '.join([*there, *ENERGIES])}"
+                f"Trajectory.plot: there is no quantity {shown(name)}; there are {', '.join([*there, *ENERGIES])}"
             )
     drawn = [one for one in handles if labels[one]]
 

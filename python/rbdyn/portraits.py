@@ -12,6 +12,7 @@ from rbdyn._core import BodyHandle
 from rbdyn.destinations import write_figure
 from rbdyn.errors import InvalidInput
 from rbdyn.plots import COLORS, POINTS, _figure_class, _tidy
+from rbdyn.shown import shown
 
 if TYPE_CHECKING:
     from rbdyn._core import Trajectory
@@ -36,18 +37,18 @@ def plot_path(self: Trajectory, path: str | os.PathLike[str] | None = None, *, p
     """
     figure_class = _figure_class()
     if plane is not None and (not isinstance(plane, str) or len(plane) != 2 or len(set(plane) & set("xyz")) != 2):
-        raise InvalidInput(f'plot_path: plane is {plane!r}; it is two of "x", "y" and "z", or None for space')
-    shown = ["xyz".index(axis) for axis in plane or "xyz"]
+        raise InvalidInput(f'plot_path: plane is {shown(plane)}; it is two of "x", "y" and "z", or None for space')
+    columns = ["xyz".index(axis) for axis in plane or "xyz"]
     figure = figure_class(figsize=(6.4, 5.6), layout="constrained")
     axes = figure.add_subplot(projection=None if plane else "3d")
     times = np.linspace(self.start, self.end, POINTS)
     for i, handle in enumerate(self.bodies):
         motion = self[handle]
         is_rigid = "center_of_mass" in motion.quantities
-        places = (motion.center_of_mass if is_rigid else motion.position)(times)[:, shown].T
+        places = (motion.center_of_mass if is_rigid else motion.position)(times)[:, columns].T
         axes.plot(*places, color=COLORS[i % len(COLORS)], linewidth=1.3, label=handle.name)
         axes.plot(*places[:, -1:], "o", color=COLORS[i % len(COLORS)], markersize=5)
-    axes.set(**{f"{on}label": f"{'xyz'[k]} [m]" for on, k in zip("xyz", shown, strict=False)})
+    axes.set(**{f"{on}label": f"{'xyz'[k]} [m]" for on, k in zip("xyz", columns, strict=False)})
     if plane:
         axes.set_aspect("equal", adjustable="datalim")
         _tidy(axes)
@@ -72,7 +73,7 @@ def phase_portrait(
     """
     figure_class = _figure_class()
     if handle is not None and not isinstance(handle, BodyHandle):
-        raise InvalidInput(f"phase_portrait: {handle!r} is not a body; use the handle that add() returned")
+        raise InvalidInput(f"phase_portrait: {shown(handle)} is not a body; use the handle that add() returned")
     for one in self.bodies if handle is None else [handle]:
         motion = self[one]
         for coordinate, rate, *labels in PORTRAITS:

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rbdyn import _core
-from rbdyn.destinations import place_of
+from rbdyn.comma_separated import write_table
 from rbdyn.errors import InvalidInput
+from rbdyn.shown import shown
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -73,7 +74,7 @@ class Sample:
 
     def __init__(self, run: Trajectory, times: npt.ArrayLike | None = None) -> None:
         if not isinstance(run, _core.Trajectory):
-            raise TypeError(f"Sample: run is {run!r}; it is a Trajectory, what simulate() of a Scene returns")
+            raise TypeError(f"Sample: run is {shown(run)}; it is a Trajectory, what simulate() of a Scene returns")
         self.t: npt.NDArray[np.float64] = np.array(run.t) if times is None else times_of(times, "Sample")
         self.attributes: dict[str, Any] = {
             "engine": run.engine,
@@ -97,23 +98,30 @@ class Sample:
                     values[name] = value
 
     def __getitem__(self, handle: Handle) -> dict[str, npt.NDArray[np.float64]]:
-        try:
-            return self._values[handle]
-        except KeyError:
+        values = self._values.get(handle) if isinstance(handle, _core.Handle) else None
+        if values is None:
+            said = f'"{handle.name}"' if isinstance(handle, _core.Handle) else shown(handle)
             raise InvalidInput(
-                f'Sample: "{getattr(handle, "name", handle)}" is no body or coupling of this run; '
-                "use what add() or connect() of its scene returned"
-            ) from None
+                f"Sample: {said} is no body or coupling of this run; use what add() or connect() of its scene returned"
+            )
+        return values
+
+    def __getattr__(self, name: str) -> Any:
+        raise AttributeError(f"Sample: it has no {name!r}; run.sample(times) makes one that is whole")
 
     def __repr__(self) -> str:
         return f"<Sample: {self.t.size} times, {', '.join(handle.name for handle in self._values)}>"
 
     def unit(self, handle: Handle, quantity: str) -> str:
         """Of a quantity of a body or coupling: "m/s"; "1" for what has none, "" where it is the curve's own."""
-        self[handle][quantity]
+        values = self[handle]
+        if not isinstance(quantity, str) or quantity not in values:
+            raise InvalidInput(
+                f"Sample.unit: {handle.name} has no quantity {shown(quantity)}; it has {', '.join(values)}"
+            )
         if quantity == "rate":
             # of an angle, or of the displacement of a slide
-            return "m/s" if handle in self._slides and "angle" not in self[handle] else "rad/s"
+            return "m/s" if handle in self._slides and "angle" not in values else "rad/s"
         return QUANTITIES[quantity][0]
 
     def to_pandas(self) -> Any:
@@ -141,6 +149,7 @@ class Sample:
         """
         import xarray as xr  # type: ignore[import-not-found,unused-ignore]
 
+        self._require_fit()
         variables = {}
         for handle, values in self._values.items():
             for quantity, array in values.items():
@@ -159,20 +168,17 @@ class Sample:
         refuses.
         """
         units = {(handle.name, q): self.unit(handle, q) for handle, values in self._values.items() for q in values}
+        columns = self._columns()
         names, arrays = ["t [s]"], [self.t]
-        for name, quantity, component, array in self._columns():
+        for name, quantity, component, array in columns:
             unit = units[name, quantity]
             names.append(f"{name}.{quantity}{'.' if component else ''}{component}{f' [{unit}]' if unit else ''}")
             arrays.append(array)
-        quoted = ['"' + name.replace('"', '""') + '"' if set(name) & set(',"\n') else name for name in names]
-        lines = [",".join(quoted), *(",".join(map(repr, row)) for row in np.column_stack(arrays).tolist())]
-        try:
-            place_of(path, "to_csv").write_text("\n".join(lines) + "\n")
-        except OSError as problem:
-            raise InvalidInput(f"to_csv: {str(path)!r} cannot be written: {problem.strerror}") from None
+        write_table(path, names, arrays)
 
     def _columns(self) -> list[tuple[str, str, str, npt.NDArray[np.float64]]]:
-        """Name, quantity, component and values, number by number."""
+        """Name, quantity, component and values, number by number. Raises InvalidInput where arrays do not fit."""
+        self._require_fit()
         columns = []
         for handle, values in self._values.items():
             for quantity, array in values.items():
@@ -182,6 +188,21 @@ class Sample:
                     columns.append((handle.name, quantity, component, array[(slice(None), *index)]))
         return columns
 
+    def _require_fit(self) -> None:
+        """Raises InvalidInput for arrays that were changed, and have no row for each time or other components."""
+        if not isinstance(self.t, np.ndarray) or self.t.ndim != 1:
+            raise InvalidInput(f"Sample: t is {shown(self.t)}; it is an array of times, (n,)")
+        for handle, values in self._values.items():
+            for quantity, array in values.items():
+                name, n = f"{handle.name}.{quantity}", self.t.size
+                if not isinstance(array, np.ndarray) or array.ndim not in (1, 2, 3):
+                    raise InvalidInput(f"Sample: {name} is {shown(array)}; it is an array with a row for each time")
+                shape = (n, *(len(AXES[axis]) for axis in axes_of(quantity, array)))
+                if array.shape != shape:
+                    raise InvalidInput(
+                        f"Sample: {name} has shape {array.shape}; of {n} times it is {shape}, one row for each"
+                    )
+
 
 def times_of(times: npt.ArrayLike, user: str) -> npt.NDArray[np.float64]:
     """Times that were given, (n,). Raises InvalidInput for what are no numbers."""
@@ -190,7 +211,7 @@ def times_of(times: npt.ArrayLike, user: str) -> npt.NDArray[np.float64]:
     except ValueError:  # lists of several lengths
         given = np.array(None)
     if given.dtype.kind not in "biuf":
-        raise InvalidInput(f"{user}: times is {times!r}; give numbers, of a parameter its .value")
+        raise InvalidInput(f"{user}: times is {shown(times)}; give numbers, of a parameter its .value")
     return np.atleast_1d(given.astype(float, copy=False))
 
 

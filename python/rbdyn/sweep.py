@@ -15,6 +15,7 @@ import numpy as np
 from rbdyn import _core
 from rbdyn.errors import Error, InvalidInput
 from rbdyn.many import Many
+from rbdyn.shown import shown
 
 if TYPE_CHECKING:
     from rbdyn._core import Scene
@@ -58,15 +59,15 @@ def simulate_many(
     KeyboardInterrupt, and what `progress` raises, arrive with what is done as their `.many`.
     """
     if not isinstance(scene, _core.Scene):
-        raise TypeError(f"simulate_many: scene is {scene!r}; it is a Scene")
+        raise TypeError(f"simulate_many: scene is {shown(scene)}; it is a Scene")
     arrays, count = _members(scene, vary)
     if threads is not None and (not isinstance(threads, int) or threads < 1):
-        raise InvalidInput(f"simulate_many: threads is {threads!r}; it is positive, or None for one a processor")
+        raise InvalidInput(f"simulate_many: threads is {shown(threads)}; it is positive, or None for one a processor")
     if threads is not None and executor is not None:
         raise InvalidInput("simulate_many: both threads and executor are given; one of them says where members run")
     if executor is not None and not callable(getattr(executor, "submit", None)):
         raise InvalidInput(
-            f"simulate_many: executor is {executor!r}; it is one of concurrent.futures, as "
+            f"simulate_many: executor is {shown(executor)}; it is one of concurrent.futures, as "
             "in ProcessPoolExecutor(4), or what else has its submit()"
         )
     options = {
@@ -80,11 +81,11 @@ def simulate_many(
     }
     if not isinstance(events, str):
         raise InvalidInput(
-            f'simulate_many: events is {events!r}; it is "all" or "last": members run at once, in no order that a '
+            f'simulate_many: events is {shown(events)}; it is "all" or "last": members run at once, in no order that a '
             "function could be called in; Many.events has those of each"
         )
     if not isinstance(lanes, bool):
-        raise InvalidInput(f"simulate_many: lanes is {lanes!r}; it is True or False")
+        raise InvalidInput(f"simulate_many: lanes is {shown(lanes)}; it is True or False")
     if executor is None:
         try:
             runs, errors, raised = _core._sweep(
@@ -108,7 +109,7 @@ def _members(scene: Scene, vary: Mapping[Any, Any]) -> tuple[dict[Any, Any], int
     """What is varied, as sequences of one length, by parameter or handle and word; and that length."""
     if not isinstance(vary, Mapping) or not vary:
         raise InvalidInput(
-            f"simulate_many: vary is {vary!r}; it is a mapping of (handle, word) or a parameter to arrays, "
+            f"simulate_many: vary is {shown(vary)}; it is a mapping of (handle, word) or a parameter to arrays, "
             'as in {(ball, "position"): positions}'
         )
     arrays: dict[Any, Any] = {}
@@ -119,9 +120,12 @@ def _members(scene: Scene, vary: Mapping[Any, Any]) -> tuple[dict[Any, Any], int
         if isinstance(said, tuple) and len(said) == 2 and isinstance(said[0], str):
             # a name that there is not is left to what reads the starts: it lists those that there are
             key = (known.get(said[0], said[0]), said[1])
-        name = f'"{key[0].name}" {key[1]}' if isinstance(key, tuple) and hasattr(key[0], "name") else repr(key)
+        name = f'"{key[0].name}" {key[1]}' if isinstance(key, tuple) and hasattr(key[0], "name") else shown(key)
         is_rotation = hasattr(given, "as_quat")  # SciPy's, one or several
-        values: Any = given if is_rotation or _are_attitudes(given) else np.asarray(given)
+        try:
+            values: Any = given if is_rotation or _are_attitudes(given) else np.asarray(given)
+        except ValueError:  # lists of several lengths
+            raise InvalidInput(f"simulate_many: {name} is {shown(given)}; give an array, one row a member") from None
         if given.single if is_rotation else isinstance(values, np.ndarray) and not values.ndim:
             raise InvalidInput(f"simulate_many: {name} has one value; it has one for each member, n in all")
         if key in arrays:

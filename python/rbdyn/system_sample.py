@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rbdyn import _core
-from rbdyn.destinations import place_of
+from rbdyn.comma_separated import write_table
 from rbdyn.errors import InvalidInput
 from rbdyn.sample import times_of
+from rbdyn.shown import shown
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -23,7 +24,9 @@ class SystemSample:
 
     def __init__(self, run: SystemRun, times: npt.ArrayLike | None = None) -> None:
         if not isinstance(run, _core.SystemRun):
-            raise TypeError(f"SystemSample: run is {run!r}; it is a SystemRun, what simulate() of a System returns")
+            raise TypeError(
+                f"SystemSample: run is {shown(run)}; it is a SystemRun, what simulate() of a System returns"
+            )
         self.t: npt.NDArray[np.float64] = np.array(run.t) if times is None else times_of(times, "SystemSample")
         if self.t.ndim != 1:
             raise InvalidInput(f"SystemSample: times has shape {self.t.shape}; give a list of times")
@@ -37,11 +40,34 @@ class SystemSample:
         }
 
     def __getitem__(self, variable: str | int) -> npt.NDArray[np.float64]:
+        self._require_fit()
         if isinstance(variable, str):
             if variable not in self.names:
-                raise InvalidInput(f'SystemSample: there is no variable named "{variable}"; there are {self.names}')
-            variable = self.names.index(variable)
+                raise InvalidInput(
+                    f"SystemSample: there is no variable named {shown(variable)}; there are {', '.join(self.names)}"
+                )
+            return self.x[:, self.names.index(variable)]
+        n = len(self.names)
+        if isinstance(variable, (bool, np.bool_)) or not isinstance(variable, (int, np.integer)):
+            raise InvalidInput(f"SystemSample: a variable is {shown(variable)}; it is a name or a place, from 0")
+        if not -n <= variable < n:
+            # an IndexError, which ends iteration
+            raise IndexError(
+                f"SystemSample: there is no variable at {shown(variable)}; there are {n}: {', '.join(self.names)}"
+            )
         return self.x[:, variable]
+
+    def __getattr__(self, name: str) -> Any:
+        raise AttributeError(f"SystemSample: it has no {name!r}; run.sample(times) makes one that is whole")
+
+    def _require_fit(self) -> None:
+        """Raises InvalidInput for arrays that were changed, and have no number for each time and variable."""
+        shape = (np.size(self.t), len(self.names))
+        if np.ndim(self.t) != 1 or not isinstance(self.x, np.ndarray) or self.x.shape != shape:
+            has = f"has shape {self.x.shape}" if isinstance(self.x, np.ndarray) else f"is {shown(self.x)}"
+            raise InvalidInput(
+                f"SystemSample: x {has}; of {shape[0]} times and {shape[1]} variables it is {shape}, one row a time"
+            )
 
     def __repr__(self) -> str:
         return f"<SystemSample: {self.t.size} times, {', '.join(self.names)}>"
@@ -50,15 +76,12 @@ class SystemSample:
         """A pandas.DataFrame over t, a column a variable; frame.attrs has the engine and the estimated error."""
         import pandas as pd  # type: ignore[import-untyped,unused-ignore]
 
+        self._require_fit()
         frame = pd.DataFrame(self.x, columns=self.names, index=pd.Index(self.t, name="t"))
         frame.attrs = dict(self.attributes)
         return frame
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Writes a line a time, comma-separated, every number so that it reads back as itself."""
-        quoted = [f'"{n.replace(chr(34), chr(34) * 2)}"' if set(n) & set(',"\n') else n for n in ["t", *self.names]]
-        lines = [",".join(quoted), *(",".join(map(repr, row)) for row in np.column_stack([self.t, self.x]).tolist())]
-        try:
-            place_of(path, "to_csv").write_text("\n".join(lines) + "\n")
-        except OSError as problem:
-            raise InvalidInput(f"to_csv: {str(path)!r} cannot be written: {problem.strerror}") from None
+        self._require_fit()
+        write_table(path, ["t", *self.names], [self.t, self.x])

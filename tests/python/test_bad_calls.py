@@ -263,3 +263,155 @@ def test_a_zero_in_a_word_does_not_cut_the_message():
 def test_a_whole_number_that_numpy_has_no_type_for_is_named():
     with pytest.raises(rb.InvalidInput, match="where: 18446744073709551616 or False is a whole number"):
         rb.where("a", 2**64, False)
+
+
+def in_a_program_of_its_own(program):
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=100)
+    assert done.returncode == 0, done.stderr[-2000:]
+    return done.stdout.splitlines()
+
+
+def test_a_keyword_with_half_a_character_is_refused_by_its_name():
+    """What tells of a call writes its keywords in UTF-8."""
+    told = in_a_program_of_its_own(
+        r"""
+import rbdyn as rb
+odd, scene = {"\ud800": 1}, rb.Scene()
+for call in (
+    lambda: rb.Particle(1.0, **odd),
+    lambda: rb.Polynomial([[1, 0, 0], [0, 1, 0]], **odd),
+    lambda: rb.Scene(**odd),
+    lambda: rb.simulate(scene, 1.0, **odd),
+    lambda: rb.parameter(1.0, **odd),
+    lambda: rb.Circle(**odd),
+    lambda: rb.Free(**odd),
+    lambda: rb.cost(scene, 1.0, **odd),
+    lambda: rb.plan(scene, **odd),
+    lambda: scene.add(rb.Particle(1.0), **odd),
+    lambda: rb.Spring.stiffness.fget(rb.Spring(1.0), **odd),
+    lambda: rb.Spring(1.0).__setstate__(**odd),
+):
+    try:
+        call()
+    except (TypeError, rb.InvalidInput) as refused:
+        print(str(refused).replace("\n", " "))
+"""
+    )
+    assert len(told) == 12 and all("\\ud800" in line for line in told), told
+    assert told[0].startswith("Particle: there is no argument '\\ud800'; it takes mass")
+    assert told[9].startswith('Scene.add: unexpected keyword "\\ud800"; a particle that is free starts with position')
+
+
+class Uncounted:
+    """A sequence that says it has more items than a machine counts."""
+
+    def __len__(self):
+        return 2**70
+
+    def __getitem__(self, i):
+        raise IndexError
+
+
+def test_a_sequence_that_no_machine_counts_is_named():
+    scene = rb.Scene()
+    scene.add(rb.Particle(1.0))
+    for call in (lambda: scene.assemble(Uncounted()), lambda: scene.assemble(keep=Uncounted())):
+        with pytest.raises(
+            TypeError, match=r"Scene.assemble: keep is <.*, whose length is 2\*\*63 or more; give a list"
+        ):
+            call()
+    with pytest.raises(TypeError, match=r"cost: engines is <.*Uncounted"):
+        rb.cost(scene, 1.0, engines=Uncounted())
+
+    def overflows(t, x):
+        raise OverflowError("of the function's own")
+
+    # one that a function of the user's raises stays what it is
+    with pytest.raises(OverflowError, match="of the function's own"):
+        rb.simulate(rb.System(overflows, [1.0], trace=False), 1.0)
+
+
+def test_a_function_of_more_than_a_million_numbers_is_refused_at_once():
+    for inputs, told in ((10**9, r"1e\+09"), (10**6 + 1, "1000001"), (-1, "-1")):
+        with pytest.raises(rb.InvalidInput, match=f"Function: inputs is {told}; it takes from 0 to 1000000 numbers"):
+            rb.Function(lambda *x: x[0], inputs)
+    assert rb.Function(lambda *x: x[-1], 20_000).inputs == 20_000
+    assert rb.Function(lambda: 2.0, 0)() == 2.0
+
+
+def test_no_name_has_a_zero_in_it():
+    """Files in HDF5 have none, and messages and tables would end there."""
+    scene = rb.Scene()
+    ball, other = scene.add(rb.Particle(1.0)), scene.add(rb.Particle(1.0), position=[1, 0, 0])
+    system = rb.System(lambda t, x: -x, [1.0])
+    odd = "a\0b"
+    for call in (
+        lambda: scene.add(rb.Particle(1.0), name=odd),
+        lambda: scene.constrain(rb.Rod(1.0), ball, other, name=odd),
+        lambda: scene.contact(ball, rb.Plane([0, 0, 1], [0, 0, -1]), name=odd),
+        lambda: scene.watch(odd, lambda now: now.time - 1.0),
+        lambda: rb.System(lambda t, x: -x, [1.0], names=[odd]),
+        lambda: system.watch(odd, lambda t, x: x[0]),
+        lambda: rb.parameter(1.0, odd),
+    ):
+        with pytest.raises(rb.InvalidInput, match=r'name is "a\\x00b"; no name has a zero in it, give another'):
+            call()
+    assert scene.handles == {"particle 1": ball, "particle 2": other}
+    with pytest.raises(rb.InvalidInput, match="no name has a zero in it"):
+        text = rb._core._scene_text(scene).replace("particle 1", "a\\u0000b")
+        rb._core._scene_from(text, "scene")
+
+
+class Evil:
+    def __repr__(self):
+        raise ZeroDivisionError
+
+
+def test_what_cannot_tell_what_it_is_is_refused_all_the_same():
+    scene, evil = rb.Scene(), Evil()
+    ball = scene.add(rb.Particle(1.0))
+    run = rb.simulate(scene, 1.0)
+    vary = {(ball, "position"): np.zeros((2, 3))}
+    for call in (
+        lambda: rb.save(evil, "scene.json"),
+        lambda: rb.save(scene, evil),
+        lambda: rb.load(evil),
+        lambda: rb.simulate_many(evil, vary, 1.0),
+        lambda: rb.simulate_many(scene, evil, 1.0),
+        lambda: rb.simulate_many(scene, {evil: 1.0}, 1.0),
+        lambda: rb.simulate_many(scene, vary, 1.0, threads=evil),
+        lambda: rb.simulate_many(scene, vary, 1.0, executor=evil),
+        lambda: rb.simulate_many(scene, vary, 1.0, events=evil),
+        lambda: rb.simulate_many(scene, vary, 1.0, lanes=evil),
+        lambda: run.sample(times=evil),
+        lambda: run.sample()[evil],
+        lambda: run.sample().unit(ball, evil),
+        lambda: rb.Sample(evil),
+        lambda: rb.SystemSample(evil),
+        lambda: rb.Many([evil], [None], {}, 0.0, 1.0),
+        lambda: rb.Scorecard(evil, 0.0),
+        lambda: rb.verify(full=evil),
+    ):
+        with pytest.raises((TypeError, rb.InvalidInput), match="Evil"):
+            call()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (([True, False], [1, 2, 3], 0), r"condition has shape \(2,\), a \(3,\) and b \(\); give arrays of one shape"),
+        (([1, [2]], 1, 2), r"condition is \[1, \[2\]\]; give numbers, or an array of numbers"),
+        ((True, "a", 2.0), "a is of type <U1 and b of float64; give numbers, or arrays of them"),
+    ],
+)
+def test_choices_that_do_not_fit_are_named(arguments, sentence):
+    with pytest.raises(rb.InvalidInput, match="where: " + sentence):
+        rb.where(*arguments)
+
+
+def test_an_arc_length_that_no_double_holds_says_so():
+    curve = rb.Curve(lambda u: [u, u * u, u])
+    with pytest.raises(rb.Error, match="from -1e\\+308 to 10 is not known: some numbers on the way are not finite"):
+        curve.length(-1e308, 10)
+    with pytest.raises(rb.InvalidInput, match="from -1e\\+308 to 1e\\+308 is inf; no double holds it"):
+        rb.Line([1, 0, 0]).length(-1e308, 1e308)

@@ -48,6 +48,11 @@ def long_calls():
     free = rb.Scene()
     free.add(rb.RigidBody(1.0, [1, 2, 2.5]), angular_velocity=[1e9, 1e9, 3e9])
     quick = rb.simulate(free, 1e6)
+    floor = rb.Scene(gravity=[0, 0, -9.81])
+    sliding = floor.contact(
+        floor.add(rb.Particle(1.0), velocity=[1, 0, 0]), rb.Plane([0, 0, 1]), friction=rb.Coulomb(0.01)
+    )
+    slid = rb.simulate(floor, 5.0)
     return {
         "position": lambda: run[body].position(times),
         "reaction": lambda: run[bead].reaction(times),
@@ -75,6 +80,8 @@ def long_calls():
         "a spline of many more points": lambda: rb.Spline(many),
         "a scene's file": lambda: rb._core._scene_from(file, "scene"),
         "drift": lambda: swung.drift,
+        "states of a contact": lambda: slid[sliding].state(times[::20]),
+        "a function of very many numbers": lambda: rb.Function(lambda *x: x[0], 10**6),
         # one number, for which 1e15 radians are followed
         "euler_angles at one time": lambda: quick[quick.bodies[0]].euler_angles(1e6),
     }

@@ -9,6 +9,7 @@ from time import perf_counter
 
 from rbdyn.errors import AccuracyError, Error, IntegrationError, InvalidInput
 from rbdyn.progress import Bar
+from rbdyn.shown import shown
 from rbdyn.verification import (
     bodies,
     contacts,
@@ -45,10 +46,10 @@ def verify(
     False.
     """
     if not isinstance(full, bool):
-        raise InvalidInput(f"verify: full is {full!r}; it is True or False, and case= names one case")
+        raise InvalidInput(f"verify: full is {shown(full)}; it is True or False, and case= names one case")
     chosen = _chosen(full, case)
     if engine is not None and engine not in ENGINES:
-        raise InvalidInput(f"verify: engine is {engine!r}; it is one of {', '.join(ENGINES)}")
+        raise InvalidInput(f"verify: engine is {shown(engine)}; it is one of {', '.join(ENGINES)}")
     bar = Bar() if progress is True else None
     tell = bar if bar is not None else progress if callable(progress) else None
     began, rows, interrupted = perf_counter(), [], False
@@ -121,7 +122,7 @@ def _chosen(full: bool, name: str | None) -> list[Case]:
     if not found:
         near = difflib.get_close_matches(name, CASES, 1, 0.4)
         hint = f"; the nearest is {near[0]!r}" if near else ""
-        raise InvalidInput(f"verify: no case is called {name!r}, nor begins so{hint}")
+        raise InvalidInput(f"verify: no case is called {shown(name)}, nor begins so{hint}")
     return found
 
 

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from rbdyn.destinations import write_figure
+from rbdyn.shown import shown
 
 # doubles have no more
 MOST_DIGITS = 16.0
@@ -40,6 +41,20 @@ class Row:
     status: str
     reason: str
 
+    def __post_init__(self) -> None:
+        for name in ("case", "subject", "engine", "what", "status", "reason"):
+            if not isinstance(getattr(self, name), str):
+                raise TypeError(f"Row: {name} is {shown(getattr(self, name))}; it is a string")
+        for name in ("error", "asked", "estimate", "seconds"):
+            if not isinstance(getattr(self, name), (int, float, np.integer, np.floating)):
+                raise TypeError(f"Row: {name} is {shown(getattr(self, name))}; it is a number")
+        for name in ("known", "ours"):
+            try:
+                np.asarray(0.0 if getattr(self, name) is None else getattr(self, name), float)
+            except (TypeError, ValueError):
+                said = shown(getattr(self, name))
+                raise TypeError(f"Row: {name} is {said}; it is a number, an array of numbers, or None") from None
+
     @property
     def digits(self) -> float:
         """-log10 of the error, from 0 to 16; not a number where there is none."""
@@ -57,6 +72,10 @@ class Scorecard:
     rows: tuple[Row, ...]
     seconds: float
     interrupted: bool = False
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.rows, tuple) or not all(isinstance(row, Row) for row in self.rows):
+            raise TypeError(f"Scorecard: rows is {shown(self.rows)}; it is a tuple of Row")
 
     def __iter__(self) -> Iterator[Row]:
         return iter(self.rows)
@@ -140,14 +159,14 @@ class Scorecard:
 
         figure = Figure(figsize=(7.0, 4.5), layout="constrained")
         axes = figure.subplots()
-        shown = [row for row in self.rows if row.status in ("held", "missed")]
-        for name in dict.fromkeys(row.engine for row in shown):
-            its = [row for row in shown if row.engine == name]
+        drawn = [row for row in self.rows if row.status in ("held", "missed")]
+        for name in dict.fromkeys(row.engine for row in drawn):
+            its = [row for row in drawn if row.engine == name]
             axes.plot([row.seconds * 1e3 for row in its], [row.digits for row in its], "o", label=name, alpha=0.7)
-        missed = [row for row in shown if row.status == "missed"]
+        missed = [row for row in drawn if row.status == "missed"]
         axes.plot([row.seconds * 1e3 for row in missed], [row.digits for row in missed], "rx", label=None)
         axes.set(xscale="log", xlabel="time [ms]", ylabel="digits of the worst answer", title=self._head())
-        if shown:
+        if drawn:
             axes.legend()
         write_figure(figure, path, "Scorecard.plot")
         return figure

@@ -30,4 +30,7 @@ std::string text(double value);
 /// The same unless the condition holds.
 void require(bool condition, std::string_view object, std::string_view what, double value, std::string_view rule);
 
+/// Throws InvalidInput where a zero is in a name: files and other programs would end the name there.
+void require_no_zero(std::string_view object, std::string_view name);
+
 }  // namespace rbdyn::inline RBDYN_FORM

@@ -48,4 +48,11 @@ RBDYN_INLINE void require(bool condition, std::string_view object, std::string_v
     if (!condition) refuse(object, what, value, rule);
 }
 
+RBDYN_INLINE void require_no_zero(std::string_view object, std::string_view name) {
+    if (name.find('\0') == std::string_view::npos) return;
+    std::string message(object);
+    message.append(": name is \"").append(name).append("\"; no name has a zero in it, give another");
+    throw InvalidInput(message);
+}
+
 }  // namespace rbdyn::inline RBDYN_FORM

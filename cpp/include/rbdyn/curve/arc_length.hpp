@@ -120,6 +120,9 @@ double arc_length(const Speed& speed, double u0, double u1, double floor, const 
         waiting.push_back(left);
     }
     constexpr double demanded = 1e-12;
+    if (std::isnan(error))
+        throw Error(name + ": the arc length from " + text(u0) + " to " + text(u1) +
+                    " is not known: some numbers on the way are not finite; measure shorter stretches");
     if (!(error <= demanded * length + floor))
         throw Error(name + ": the arc length from " + text(u0) + " to " + text(u1) + " is known to " + text(error) +
                     " m only; a relative error of " + text(demanded) + " is required: measure shorter stretches");

@@ -14,6 +14,7 @@ namespace rbdyn::inline RBDYN_FORM {
 
 RBDYN_INLINE Parameter::Parameter(double value, std::string name)
     : cell_(std::make_shared<Cell>(value, std::move(name))) {
+    require_no_zero("parameter", cell_->name);
     require_finite(value);
 }
 

@@ -352,6 +352,7 @@ RBDYN_INLINE void Scene::act(WatchHandle watch, WatchAction action) {
 
 RBDYN_INLINE void Scene::integral(std::string name, WatchFunction function) {
     if (name.empty()) throw InvalidInput("integral: name is empty; its drift is found by its name");
+    require_no_zero("integral", name);
     if (has(integrals_, name))
         throw InvalidInput("integral: there is one named \"" + name + "\" already; names differ");
     require_observables(function, "integral " + name);

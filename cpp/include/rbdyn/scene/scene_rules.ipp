@@ -162,6 +162,7 @@ RBDYN_INLINE void Scene::require_body(BodyHandle body, const std::string& verb) 
 }
 
 RBDYN_INLINE void Scene::require_new_name(const std::string& name, const std::string& verb) const {
+    require_no_zero(verb, name);
     if (name.empty() || !is_taken(name)) return;
     const std::string kind = body_names_->contains(name) ? "body"
                              : has(watches_, name)       ? "watch"

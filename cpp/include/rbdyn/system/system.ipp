@@ -38,6 +38,7 @@ RBDYN_INLINE System::System(OwnFunction f, std::vector<double> start, std::vecto
             "there is one for each of the " + std::to_string(n) + " variables, or none");
     for (auto name = names_.begin(); name != names_.end(); ++name) {
         if (name->empty()) throw InvalidInput("System: a name is empty; variables are found by their names");
+        require_no_zero("System", *name);
         if (std::find(names_.begin(), name, *name) != name)
             throw InvalidInput("System: there are two variables named \"" + *name + "\"; names differ");
     }
@@ -72,6 +73,7 @@ RBDYN_INLINE System System::from(std::vector<double> start) const {
 
 RBDYN_INLINE void System::watch(std::string name, OwnFunction function, StateWatchOptions options) {
     if (name.empty()) throw InvalidInput("watch: name is empty; events are found by the name of their watch");
+    require_no_zero("watch", name);
     for (const Watch& w : watches_)
         if (w.name == name) throw InvalidInput("watch: there is one named \"" + name + "\" already; names differ");
     const std::string user = "watch \"" + name + "\"";
