@@ -1,0 +1,79 @@
+// Definitions of rbdyn/expression/streamed_code.hpp.
+#pragma once
+
+#include "rbdyn/expression/streamed_code.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "rbdyn/expression/code_memory.hpp"
+#include "rbdyn/expression/series_evaluator.hpp"
+#include "rbdyn/expression/stream_kinds.hpp"
+#include "rbdyn/expression/streamed_code_writer.hpp"
+#include "rbdyn/expression/streamed_series.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
+
+#ifdef RBDYN_WRITES_MACHINE_CODE
+
+RBDYN_INLINE std::unique_ptr<StreamedCode> StreamedCode::of(SeriesEvaluator& series) {
+    // about as many bytes of code are written of a shape, for each of its numbers
+    constexpr std::size_t bytes_each = 64, fewest_stages = 2;
+    StreamKinds kinds(series);
+    const std::size_t stages = series.stream_->stages_.size();
+    if (!kinds.are_short() || !StreamedCodeWriter::takes(series) ||
+        2 * kinds.choose(fewest_stages, CodeMemory::most / bytes_each) < stages)
+        return nullptr;
+    StreamedCodeWriter writer(series, kinds);
+    const std::span<const std::uint8_t> bytes = writer.write();
+    if (bytes.size() > CodeMemory::most) return nullptr;
+    std::optional<CodeMemory> memory = CodeMemory::of(bytes);
+    if (!memory) return nullptr;
+    std::unique_ptr<StreamedCode> code(new StreamedCode(series, std::move(kinds), std::move(*memory)));
+    code->start_ = reinterpret_cast<void (*)(Frame*)>(code->memory_.start());
+    const auto start = reinterpret_cast<std::uint64_t>(code->memory_.start());
+    const auto addresses = [start](const std::vector<std::size_t>& places) {
+        std::vector<std::uint64_t> all;
+        for (const std::size_t place : places) all.push_back(start + place);
+        return all;
+    };
+    for (std::size_t order = 0; order < orders; ++order) code->pieces_[order] = addresses(writer.pieces(order));
+    code->middles_ = addresses(writer.middles());
+    return code;
+}
+
+RBDYN_INLINE void StreamedCode::begin(int k) {
+    StreamedSeries& s = *series_.stream_;
+    const auto half = static_cast<std::size_t>(k / 2);
+    const Order order = k == 0 ? Order::first : k % 2 != 0 ? Order::odd : Order::even;
+    frame_.now = s.values(k);
+    frame_.made = frame_.now + s.first_made_;
+    frame_.lines = frame_.line = s.lines_.data();
+    frame_.newest = static_cast<std::ptrdiff_t>(half * s.row_ * sizeof(StreamedSeries::Line));
+    frame_.operand = kinds_.operands.data();
+    frame_.next = s.next_.data();
+    frame_.scalars = series_.scalars_.data();
+    frame_.weights = s.weights_.data();
+    frame_.pieces = pieces_[static_cast<std::size_t>(order)].data();
+    frame_.middle = middles_[half];
+    frame_.self = this;
+    frame_.k = k;
+}
+
+#else
+
+RBDYN_INLINE std::unique_ptr<StreamedCode> StreamedCode::of(SeriesEvaluator&) { return nullptr; }
+RBDYN_INLINE void StreamedCode::begin(int) {}
+
+#endif
+
+RBDYN_INLINE std::size_t StreamedCode::bytes() const {
+    return kinds_.operands.size() * sizeof(Index) + kinds_.left.size() * sizeof(StreamKinds::Place);
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM
