@@ -129,6 +129,7 @@
 #include "rbdyn/expression/state_jacobian.ipp"
 #include "rbdyn/expression/stream_kinds.ipp"
 #include "rbdyn/expression/streamed_code.ipp"
+#include "rbdyn/expression/streamed_code_steps.ipp"
 #include "rbdyn/expression/streamed_code_writer.ipp"
 #include "rbdyn/expression/streamed_series.ipp"
 #include "rbdyn/expression/term_sizes.ipp"

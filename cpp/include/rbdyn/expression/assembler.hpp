@@ -128,6 +128,7 @@ public:
         place_of(1, from);
     }
     void add(Register to, Register from) { whole(from, to, 0x01); }
+    void add(Register to, At from) { memory(to, from, 0x03); }
     void subtract(Register to, Register from) { whole(from, to, 0x29); }
     void compare(Register a, Register b) { whole(b, a, 0x39); }
     void compare(Register a, At b) { memory(a, b, 0x3b); }

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "rbdyn/basics/form.hpp"
+#include "rbdyn/expression/program.hpp"
 #include "rbdyn/expression/streamed_series.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
@@ -33,7 +34,8 @@ public:
         ///   that are spread behind the others, or `elsewhere`;
         ///   of each lane that is copied which one it is;
         ///   of each combination whether it has a constant, how many terms, a Factor for each, how many lanes, and the
-        ///   first one.
+        ///   first one;
+        ///   of each step its code.
         std::vector<Index> shape;
         std::size_t stages = 0;
         bool has_code = false;
@@ -49,13 +51,16 @@ public:
     /// long; all other stages are left to the lists. How many stages have code.
     std::size_t choose(std::size_t fewest_stages, std::size_t longest);
 
+    /// Steps that are not called; of others none is.
+    static constexpr bool has_own_code(Code code) { return code == Code::divide || code == Code::sine_cosine; }
+
     // pieces of code: where a chunk ends; where a stage is left to the lists, of which the first operand tells which
     // one it is; those of kinds
     static constexpr Index chunk_ends = 0, by_lists = 1, first_kind = 2;
     /// As an operand: where in a table of addresses its code is.
     static constexpr Index entry(Index piece) { return piece * static_cast<Index>(sizeof(std::uint64_t)); }
     /// Of each stage: its piece of code, then places, lines and weights in bytes from where all of them begin; of a
-    /// step which one it is, and the first of its rows.
+    /// step which one it is, the first of its rows, and where what it reads is if it has code of its own.
     std::vector<Index> operands;
     /// Where a stage that is left to the lists begins in each of them; where the next one's operands do.
     struct Place {

@@ -100,8 +100,12 @@ RBDYN_INLINE void StreamKinds::add(const SeriesEvaluator& e, const StreamedSerie
     at.made += stage.lanes + stage.combinations;
     for (Index i = 0; i < stage.steps; ++i, ++at.step) {
         const auto [reads, writes] = s.operands_[at.step];
-        give(at.step, 1);
+        const Code code = s.steps_[at.step]->code;
+        shape_.push_back(static_cast<Index>(code));
+        give(at.step, sizeof(SeriesEvaluator::Step));
         give(at.row, 1);
+        for (Index read = 0; read < reads && has_own_code(code); ++read)
+            give(s.step_rows_[at.row + read].place, sizeof(double));
         at.row += reads + writes;
         at.made += writes;
     }

@@ -12,6 +12,7 @@
 
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/expression/code_memory.hpp"
+#include "rbdyn/expression/series_evaluator.hpp"
 #include "rbdyn/expression/stream_kinds.hpp"
 #include "rbdyn/expression/streamed_series.hpp"
 
@@ -44,16 +45,18 @@ private:
         series::LaneValues* next;
         const double* scalars;
         const series::LaneValues* weights;
-        const std::uint64_t* pieces;  // of code
-        std::uint64_t middle;         // of products: code
+        const std::uint64_t* pieces;            // of code
+        std::uint64_t product, quotient, sine;  // code of this order
+        const SeriesEvaluator::Step* steps;
         StreamedCode* self;
         std::int64_t k;
+        double order, minus_one;
     };
     StreamedCode(SeriesEvaluator& series, StreamKinds kinds, CodeMemory memory)
         : series_(series), kinds_(std::move(kinds)), memory_(std::move(memory)) {}
 
     // called by the code: the place behind what a step has made; a stage that is left to the lists
-    static double* step(const Frame* frame, std::uint64_t step, std::uint64_t row, double* made);
+    static double* step(const Frame* frame, const SeriesEvaluator::Step* step, std::uint64_t row, double* made);
     static void stage(Frame* frame, std::uint64_t left);
 
     SeriesEvaluator& series_;
@@ -61,7 +64,7 @@ private:
     CodeMemory memory_;
     void (*start_)(Frame*) = nullptr;
     std::vector<std::uint64_t> pieces_[orders];
-    std::vector<std::uint64_t> middles_;  // by order / 2
+    std::vector<std::uint64_t> products_, quotients_, sines_;  // by order
     Frame frame_{};
 };
 

@@ -43,26 +43,34 @@ RBDYN_INLINE std::unique_ptr<StreamedCode> StreamedCode::of(SeriesEvaluator& ser
         return all;
     };
     for (std::size_t order = 0; order < orders; ++order) code->pieces_[order] = addresses(writer.pieces(order));
-    code->middles_ = addresses(writer.middles());
+    code->products_ = addresses(writer.products());
+    code->quotients_ = addresses(writer.quotients());
+    code->sines_ = addresses(writer.sines());
     return code;
 }
 
 RBDYN_INLINE void StreamedCode::begin(int k) {
     StreamedSeries& s = *series_.stream_;
-    const auto half = static_cast<std::size_t>(k / 2);
     const Order order = k == 0 ? Order::first : k % 2 != 0 ? Order::odd : Order::even;
     frame_.now = s.values(k);
     frame_.made = frame_.now + s.first_made_;
     frame_.lines = frame_.line = s.lines_.data();
-    frame_.newest = static_cast<std::ptrdiff_t>(half * s.row_ * sizeof(StreamedSeries::Line));
+    frame_.newest =
+        static_cast<std::ptrdiff_t>(static_cast<std::size_t>(k / 2) * s.row_ * sizeof(StreamedSeries::Line));
     frame_.operand = kinds_.operands.data();
     frame_.next = s.next_.data();
     frame_.scalars = series_.scalars_.data();
     frame_.weights = s.weights_.data();
     frame_.pieces = pieces_[static_cast<std::size_t>(order)].data();
-    frame_.middle = middles_[half];
+    const auto at = static_cast<std::size_t>(k);
+    frame_.product = products_[at];
+    frame_.quotient = quotients_[at];
+    frame_.sine = sines_[at];
+    frame_.steps = series_.steps_.data();
     frame_.self = this;
     frame_.k = k;
+    frame_.order = k;
+    frame_.minus_one = -1.0;
 }
 
 #else

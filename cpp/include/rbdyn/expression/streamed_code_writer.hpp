@@ -4,19 +4,21 @@
 // A piece reads its operands, goes on behind what it has made, and jumps to the piece of the stage that is next.
 // Registers: di: values of this order; bx: the next one to be made; r15: lines of orders 0 and 1; bp: the next one to
 // be laid out; r9: how far from there those of this order are; r11: those of this order; r12: operands; r13: what of
-// the coming order is known, of the next sum; r14: code of a product; si, r8: weights, of combinations and of series;
+// the coming order is known, of the next sum; r14: code of products; si, r8: weights, of combinations and of series;
 // r10: where pieces are. bx, bp and r12 to r15 outlive a call.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <span>
 #include <vector>
 
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/expression/assembler.hpp"
 #include "rbdyn/expression/code_memory.hpp"
+#include "rbdyn/expression/program.hpp"
 #include "rbdyn/expression/stream_kinds.hpp"
 #include "rbdyn/expression/streamed_code.hpp"
 
@@ -30,9 +32,11 @@ public:
     /// Whether lines of all orders are near enough to one another.
     static bool takes(const SeriesEvaluator& series);
     std::span<const std::uint8_t> write();
-    /// Where in the code the pieces of an order are; where the code of a product is, by half the order.
+    // where in the code things are: pieces of an order; what products, quotients and sines are, by order
     const std::vector<std::size_t>& pieces(std::size_t order) const { return pieces_[order]; }
-    const std::vector<std::size_t>& middles() const { return middles_; }
+    const std::vector<std::size_t>& products() const { return products_; }
+    const std::vector<std::size_t>& quotients() const { return quotients_; }
+    const std::vector<std::size_t>& sines() const { return sines_; }
 
 private:
     using At = machine_code::At;
@@ -74,8 +78,15 @@ private:
     Vector lane(Index l);
     void copy(Index l, Index place);
     void combination(const Combination& c);
-    /// Sum and next sum of a product: in r14 where it is called.
-    void product(int half);
+    void product(int k);
+
+    // what is no combination (streamed_code_steps.ipp)
+    void step(Code code);
+    void quotient(int k);
+    void sine(int k);
+    /// For each the sum of products of coefficients that lie from where a register points, and of those where another
+    /// one does, in vectors 0, 1, ...; 4 is used.
+    void dots(At first, std::initializer_list<At> others, int count);
 
     /// The next operand of the piece, in a register.
     void operand(Register to);
@@ -89,7 +100,7 @@ private:
     std::ptrdiff_t read_ = 0;  // operands of a piece so far
     unsigned lanes_there_ = 0;
     std::array<std::vector<std::size_t>, StreamedCode::orders> pieces_;
-    std::vector<std::size_t> middles_;
+    std::vector<std::size_t> products_, quotients_, sines_;
 };
 
 }  // namespace rbdyn::inline RBDYN_FORM

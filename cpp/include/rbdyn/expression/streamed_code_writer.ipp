@@ -14,6 +14,7 @@
 
 #include "rbdyn/expression/assembler.hpp"
 #include "rbdyn/expression/code_memory.hpp"
+#include "rbdyn/expression/program.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
 #include "rbdyn/expression/stream_kinds.hpp"
 #include "rbdyn/expression/streamed_code.hpp"
@@ -58,10 +59,13 @@ RBDYN_INLINE std::span<const std::uint8_t> StreamedCodeWriter::write() {
             if (c_.size() > CodeMemory::most) return c_.bytes();
         }
     }
-    middles_.push_back(c_.size());
-    for (int half = 1; 2 * half <= e_.top_; ++half) {
-        middles_.push_back(c_.size());
-        product(half);
+    for (int k = 0; k <= e_.top_; ++k) {
+        products_.push_back(c_.size());
+        if (k % 2 == 0) product(k);
+        quotients_.push_back(c_.size());
+        quotient(k);
+        sines_.push_back(c_.size());
+        if (k > 0) sine(k);
     }
     return c_.bytes();
 }
@@ -74,7 +78,7 @@ RBDYN_INLINE void StreamedCodeWriter::begin() {
     c_.move(bp, At{di, offsetof(Frame, line)});
     c_.move(r12, At{di, offsetof(Frame, operand)});
     c_.move(r13, At{di, offsetof(Frame, next)});
-    c_.move(r14, At{di, offsetof(Frame, middle)});
+    c_.move(r14, At{di, offsetof(Frame, product)});
     c_.move(r15, At{di, offsetof(Frame, lines)});
     load();
     go_on();
@@ -197,15 +201,7 @@ RBDYN_INLINE void StreamedCodeWriter::piece(const StreamKinds::Kind& kind) {
     go(bx, number * (lane_count + combinations));
     go(bp, line * (laid_out + spreads));
     go(r13, lanes * sums);
-    for (Index i = 0; i < steps; ++i) {
-        c_.move(di, At{sp, 0});
-        operand(si);
-        operand(dx);
-        c_.move(cx, bx);
-        call(reinterpret_cast<std::uint64_t>(&StreamedCode::step));
-        c_.move(bx, ax);
-    }
-    if (steps > 0) load();
+    for (Index i = 0; i < steps; ++i) step(static_cast<Code>(*token++));
     go(r12, streamed_codes::operand * std::max<std::ptrdiff_t>(read_, 1));
     go_on();
 }
@@ -294,7 +290,8 @@ RBDYN_INLINE void StreamedCodeWriter::sum(std::span<const Index> products, Index
 
 /// As StreamedSeries::even_order(), of a product whose factors' lines of orders 0 and 1 are where ax and dx point: in
 /// a and b what it adds to the sum, in c and d what it adds to the next one.
-RBDYN_INLINE void StreamedCodeWriter::product(int half) {
+RBDYN_INLINE void StreamedCodeWriter::product(int k) {
+    const int half = k / 2;
     using enum machine_code::Register;
     constexpr Vector a = 0, b = 1, c = 2, d = 3, even = 4, odd = 5, above = 6, times = 7;
     const auto left = [this](int i, int odd_one) { return At{ax, row() * i + streamed_codes::lanes * odd_one}; };

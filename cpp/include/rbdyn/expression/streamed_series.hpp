@@ -106,7 +106,6 @@ private:
     void advance_stage(SeriesEvaluator& series, const Stage& stage, Cursor& at, int k);
     template <class Lanes>
     void advance_step(SeriesEvaluator& series, Cursor& at, int k);
-    void fetch_step(const SeriesEvaluator& series, std::size_t step, int k) const;
     /// Where an order begins in each list.
     Cursor begin(int k);
     void first_order(const Stage& stage, Cursor& at);

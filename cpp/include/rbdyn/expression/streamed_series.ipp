@@ -289,34 +289,18 @@ RBDYN_INLINE_LANES void StreamedSeries::advance_stage(SeriesEvaluator& series, c
 
 template <class Lanes>
 RBDYN_INLINE_LANES void StreamedSeries::advance_step(SeriesEvaluator& series, Cursor& at, int k) {
-    const auto [reads, writes] = operands_[at.step];
-    for (const Row* const end = at.row + reads; at.row != end; ++at.row) {
-        const series::View to = series.slot(static_cast<int>(at.row->slot));
-        to.forward[k] = at.now[at.row->place];
-        if (at.row->is_copied) to.last[-k] = to.forward[k];
+    const SeriesEvaluator::Step& step = series.steps_[at.step++];
+    for (const series::View* to : {&step.a, &step.b, &step.c}) {
+        if (to->forward == nullptr) continue;
+        to->forward[k] = at.now[at.row->place];
+        if ((at.row++)->is_copied) to->last[-k] = to->forward[k];
     }
-    series.compute<Lanes>(series.steps_[at.step], k);
-    for (const Row* const end = at.row + writes; at.row != end; ++at.row)
-        *at.made++ = series.slot(static_cast<int>(at.row->slot))[k];
-    ++at.step;
-}
-
-RBDYN_INLINE void StreamedSeries::fetch_step(const SeriesEvaluator& series, std::size_t step, int k) const {
-#if defined(__GNUC__) || defined(__clang__)
-    if (step >= steps_.size()) return;
-    const SeriesEvaluator::Step& s = series.steps_[step];
-    const auto fetch = [k](const double* row) {
-        constexpr int line = 8;
-        for (int at = 0; at < k + line; at += line) __builtin_prefetch(row + at, 1);
-    };
-    for (const series::View* v : {&s.out, &s.out2, &s.b, &s.c})
-        if (v->forward != nullptr) {
-            fetch(v->forward);
-            if (v->last != nullptr) fetch(v->last - k);
-        }
-    if (s.slope != nullptr) fetch(s.slope);
-    if (s.a.forward != nullptr) __builtin_prefetch(s.a.forward + k, 1);
-#endif
+    series.compute<Lanes>(step, k);
+    for (const series::View* from : {&step.out, &step.out2}) {
+        if (from->forward == nullptr) continue;
+        *at.made++ = (*from)[k];
+        ++at.row;
+    }
 }
 
 RBDYN_INLINE StreamedSeries::Cursor StreamedSeries::begin(int k) {
@@ -381,16 +365,16 @@ __attribute__((target("avx2"))) RBDYN_INLINE void StreamedSeries::wide(SeriesEva
                                                                        bool integrates) {
     run<series::Four>(series, first, last, integrates);
 }
-__attribute__((target("avx2"))) RBDYN_INLINE double* StreamedCode::step(const Frame* frame, std::uint64_t step,
+__attribute__((target("avx2"))) RBDYN_INLINE double* StreamedCode::step(const Frame* frame,
+                                                                        const SeriesEvaluator::Step* step,
                                                                         std::uint64_t row, double* made) {
     SeriesEvaluator& series = frame->self->series_;
     StreamedSeries& stream = *series.stream_;
     StreamedSeries::Cursor at;
     at.now = frame->now;
     at.made = made;
-    at.step = step;
+    at.step = static_cast<std::size_t>(step - frame->steps);
     at.row = stream.step_rows_.data() + row;
-    stream.fetch_step(series, step + 2, static_cast<int>(frame->k));
     stream.advance_step<series::Four>(series, at, static_cast<int>(frame->k));
     return at.made;
 }
