@@ -121,12 +121,6 @@ public:
         place_of(index(to), from);
     }
     void address(Register to, At from) { memory(to, from, 0x8d); }
-    /// To the caches.
-    void fetch(At from) {
-        if (index(from.base) > 7) put({0x41});
-        put({0x0f, 0x18});
-        place_of(1, from);
-    }
     void add(Register to, Register from) { whole(from, to, 0x01); }
     void add(Register to, At from) { memory(to, from, 0x03); }
     void subtract(Register to, Register from) { whole(from, to, 0x29); }

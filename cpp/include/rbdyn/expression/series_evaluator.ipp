@@ -44,7 +44,7 @@ RBDYN_INLINE std::size_t SeriesEvaluator::bytes_of_lists() const {
     const auto sum = [](const auto&... list) { return (... + (list.size() * sizeof list[0])); };
     return sum(copies_, sums_, lane_outputs_, linear_, with_sums_, mixed_, steps_, motion_, terms_, lane_series_,
                lane_weights_, lane_spreads_, lane_products_, lane_sums_, blocks_, first_block_, scalars_) +
-           (all_ != nullptr ? all_->bytes_of_lists() : 0);
+           (stream_ != nullptr ? stream_->bytes_of_lists() : 0) + (all_ != nullptr ? all_->bytes_of_lists() : 0);
 }
 
 RBDYN_INLINE void SeriesEvaluator::go_without_lanes_of_four() {

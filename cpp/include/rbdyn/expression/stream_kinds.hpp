@@ -42,14 +42,13 @@ public:
     };
     static constexpr Index is_weighted = 1, are_low_same = 2, are_high_same = 4, are_halves_same = 8;
     static constexpr Index elsewhere = static_cast<Index>(-1);
-    /// Lines are asked for so many products before they are read.
-    static constexpr std::size_t ahead = 8;
     enum Factor : Index { plus_one, minus_one, any };
     const std::vector<Kind>& kinds() const { return kinds_; }
 
-    /// Code is for the kinds that have most stages, and at least so many, as long as their shapes together are not too
-    /// long; all other stages are left to the lists. How many stages have code.
-    std::size_t choose(std::size_t fewest_stages, std::size_t longest);
+    /// Code is for the kinds that have most stages, as long as their shapes together are not too long; all other stages
+    /// are left to the lists. How many stages have code.
+    std::size_t choose(std::size_t longest_together);
+    static constexpr std::size_t longest = 3000;
 
     /// Steps that are not called; of others none is.
     static constexpr bool has_own_code(Code code) { return code == Code::divide || code == Code::sine_cosine; }

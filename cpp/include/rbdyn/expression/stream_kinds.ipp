@@ -116,15 +116,12 @@ RBDYN_INLINE void StreamKinds::add_sums(const StreamedSeries& s, Place& at) {
     for (Index i = 0; i < stage.sums; ++i) {
         const Index size = s.sizes_[at.sum++];
         shape_.push_back(size);
-        for (Index p = 0; p < size; ++p, ++at.product) {
+        for (Index p = 0; p < size; ++p, ++at.product)
             for (const Index line : {s.products_[at.product].x, s.products_[at.product].y}) {
                 const bool is_here = line >= at.line && line < at.line + stage.series + stage.spreads;
                 shape_.push_back(is_here ? line - at.line : elsewhere);
                 if (!is_here) give(line, sizeof(StreamedSeries::Line));
             }
-            const StreamedSeries::Product& later = s.products_[std::min(at.product + ahead, s.products_.size() - 1)];
-            for (const Index line : {later.x, later.y}) give(line, sizeof(StreamedSeries::Line));
-        }
     }
 }
 
@@ -147,7 +144,7 @@ RBDYN_INLINE void StreamKinds::add_combinations(const SeriesEvaluator& e, const 
     }
 }
 
-RBDYN_INLINE std::size_t StreamKinds::choose(std::size_t fewest_stages, std::size_t longest) {
+RBDYN_INLINE std::size_t StreamKinds::choose(std::size_t longest_together) {
     std::vector<std::size_t> order(kinds_.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::ranges::stable_sort(order,
@@ -156,7 +153,7 @@ RBDYN_INLINE std::size_t StreamKinds::choose(std::size_t fewest_stages, std::siz
     for (const std::size_t k : order) {
         Kind& kind = kinds_[k];
         length += kind.shape.size();
-        if (kind.stages < fewest_stages || length > longest) break;
+        if (length > longest_together) break;
         kind.has_code = true;
         with_code += kind.stages;
     }

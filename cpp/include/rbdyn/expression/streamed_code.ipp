@@ -22,12 +22,9 @@ namespace rbdyn::inline RBDYN_FORM {
 #ifdef RBDYN_WRITES_MACHINE_CODE
 
 RBDYN_INLINE std::unique_ptr<StreamedCode> StreamedCode::of(SeriesEvaluator& series) {
-    // about as many bytes of code are written of a shape, for each of its numbers
-    constexpr std::size_t bytes_each = 64, fewest_stages = 2;
     StreamKinds kinds(series);
     const std::size_t stages = series.stream_->stages_.size();
-    if (!kinds.are_short() || !StreamedCodeWriter::takes(series) ||
-        2 * kinds.choose(fewest_stages, CodeMemory::most / bytes_each) < stages)
+    if (!kinds.are_short() || !StreamedCodeWriter::takes(series) || 2 * kinds.choose(StreamKinds::longest) < stages)
         return nullptr;
     StreamedCodeWriter writer(series, kinds);
     const std::span<const std::uint8_t> bytes = writer.write();

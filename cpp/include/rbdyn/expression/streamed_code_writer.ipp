@@ -169,8 +169,7 @@ RBDYN_INLINE void StreamedCodeWriter::piece(const StreamKinds::Kind& kind) {
     for (Index s = 0; s < sums; ++s) {
         products.emplace_back(token + 1, 2 * static_cast<std::size_t>(*token));
         token += 1 + products.back().size();
-        next_operand += std::ranges::count(products.back(), StreamKinds::elsewhere) +
-                        static_cast<std::ptrdiff_t>(products.back().size());
+        next_operand += std::ranges::count(products.back(), StreamKinds::elsewhere);
     }
     std::vector<Lane> copied;
     for (Index i = 0; i < lane_count; ++i) copied.push_back({*token++, i});
@@ -275,14 +274,9 @@ RBDYN_INLINE void StreamedCodeWriter::sum(std::span<const Index> products, Index
             case Order::even:
                 c_.address(ax, x.first);
                 c_.address(dx, y.first);
-                operand(cx);
-                c_.add(cx, r15);
-                operand(r10);
-                c_.add(r10, r15);
                 c_.call(r14);
                 break;
         }
-        if (order_ != Order::even) read_ += 2;
     }
     lanes_there_ = 1;
     if (order_ != Order::odd) c_.store_four(next, next_lanes);
@@ -302,8 +296,6 @@ RBDYN_INLINE void StreamedCodeWriter::product(int k) {
         c_.multiply_four(times, x, y);
         c_.add_four(sum, sum, times);
     };
-    for (const Register r : {cx, r10})
-        for (int i = 0; i < half; ++i) c_.fetch({r, row() * i});
     c_.load_four(above, right(1, 1));
     c_.multiply_four(b, above, left(0, 1));
     for (const Vector sum : {a, c, d}) c_.clear(sum);

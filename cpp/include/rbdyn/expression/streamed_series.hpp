@@ -35,6 +35,8 @@ public:
     ~StreamedSeries();
 
     std::size_t bytes() const { return lines_.size() * sizeof(Line) + values_.size() * sizeof(double); }
+    /// What is made of its program beside.
+    std::size_t bytes_of_lists() const;
     /// From now on by machine code, if there is any to be had; or by lists alone.
     void make_code(SeriesEvaluator& series);
     void drop_code();

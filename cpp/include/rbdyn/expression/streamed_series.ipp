@@ -407,6 +407,13 @@ __attribute__((target("avx2"))) RBDYN_INLINE void StreamedCode::stage(Frame* fra
 
 RBDYN_INLINE StreamedSeries::~StreamedSeries() = default;
 
+RBDYN_INLINE std::size_t StreamedSeries::bytes_of_lists() const {
+    const auto sum = [](const auto&... list) { return (... + (list.size() * sizeof list[0])); };
+    return sum(next_, stages_, series_, spreads_, sizes_, products_, lanes_, combinations_, terms_, steps_, operands_,
+               step_rows_, motion_, inputs_, others_, made_at_, given_) +
+           (code_ != nullptr ? code_->bytes() : 0);
+}
+
 RBDYN_INLINE void StreamedSeries::make_code(SeriesEvaluator& series) {
     if (may_have_code_ && code_ == nullptr) code_ = StreamedCode::of(series);
     may_have_code_ = false;
