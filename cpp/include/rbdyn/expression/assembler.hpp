@@ -113,8 +113,16 @@ public:
     void move(Register to, Register from) { whole(from, to, 0x89); }
     void move(Register to, At from) { memory(to, from, 0x8b); }
     void move(At to, Register from) { memory(from, to, 0x89); }
+    /// An integer of 32 bits, the others zero.
+    void move_short(Register to, At from) {
+        if (index(to) > 7 || index(from.base) > 7)
+            put({static_cast<std::uint8_t>(0x40 | (index(to) > 7 ? 4 : 0) | (index(from.base) > 7 ? 1 : 0))});
+        put({0x8b});
+        place_of(index(to), from);
+    }
     void address(Register to, At from) { memory(to, from, 0x8d); }
     void add(Register to, Register from) { whole(from, to, 0x01); }
+    void add(Register to, At from) { memory(to, from, 0x03); }
     void subtract(Register to, Register from) { whole(from, to, 0x29); }
     void compare(Register a, Register b) { whole(b, a, 0x39); }
     void compare(Register a, At b) { memory(a, b, 0x3b); }

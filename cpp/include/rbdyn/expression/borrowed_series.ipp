@@ -48,8 +48,8 @@ RBDYN_INLINE BorrowedSeries::~BorrowedSeries() {
     using Shelf = KeptSeries::Shelf;
     const std::size_t bytes = series_->bytes();
     const bool is_long = bytes > Shelf::most_bytes;
-    if (is_long && !(series_->has_repeated_code() && bytes + series_->bytes_of_lists() <= Shelf::most_bytes_of_long))
-        return;
+    const bool has_code = series_->has_repeated_code() || series_->has_streamed_code();
+    if (is_long && !(has_code && bytes + series_->bytes_of_lists() <= Shelf::most_bytes_of_long)) return;
     const std::lock_guard lock(shelf_->mutex);
     const auto longs = static_cast<std::size_t>(std::ranges::count_if(shelf_->free, &Shelf::Kept::is_long));
     if (is_long ? longs < Shelf::most_long : has_room(shelf_->free.size() - longs, bytes))

@@ -83,9 +83,11 @@ public:
     void go_without_lanes_of_four();
     /// From now on by machine code (machine_code.hpp) at once, or not at all; else from when it pays. The same bits.
     void use_machine_code(bool is_used);
-    bool has_machine_code() const { return code_ != nullptr || repeated_ != nullptr; }
+    bool has_machine_code() const { return code_ != nullptr || repeated_ != nullptr || has_streamed_code(); }
     /// That of chunks that repeat themselves (repeated_code.hpp).
     bool has_repeated_code() const { return repeated_ != nullptr; }
+    /// That of stages of a kind (streamed_code.hpp).
+    bool has_streamed_code() const { return stream_ != nullptr && stream_->has_code(); }
     /// Whether slots that are neither inputs nor outputs share places, and none has been looked at.
     bool has_ring() const { return ring_ != nullptr && all_ == nullptr; }
     /// Of a program that is larger than the caches: it may have room for one use alone.
@@ -132,6 +134,9 @@ private:
     friend class MachineCodeWriter;
     friend class RepeatedCode;
     friend class Repetition;
+    friend class StreamKinds;
+    friend class StreamedCode;
+    friend class StreamedCodeWriter;
     friend class StreamedSeries;
     // instructions with their series found once
     struct ResolvedTerm {

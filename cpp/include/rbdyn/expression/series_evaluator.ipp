@@ -44,12 +44,13 @@ RBDYN_INLINE std::size_t SeriesEvaluator::bytes_of_lists() const {
     const auto sum = [](const auto&... list) { return (... + (list.size() * sizeof list[0])); };
     return sum(copies_, sums_, lane_outputs_, linear_, with_sums_, mixed_, steps_, motion_, terms_, lane_series_,
                lane_weights_, lane_spreads_, lane_products_, lane_sums_, blocks_, first_block_, scalars_) +
-           (all_ != nullptr ? all_->bytes_of_lists() : 0);
+           (stream_ != nullptr ? stream_->bytes_of_lists() : 0) + (all_ != nullptr ? all_->bytes_of_lists() : 0);
 }
 
 RBDYN_INLINE void SeriesEvaluator::go_without_lanes_of_four() {
     run_ = &plain;
     repeated_ = nullptr;
+    if (stream_ != nullptr) stream_->drop_code();
     if (all_ != nullptr) all_->go_without_lanes_of_four();
 }
 
@@ -57,6 +58,7 @@ RBDYN_INLINE void SeriesEvaluator::use_machine_code(bool is_used) {
     run_ = is_used ? usual() : widest();
     expansions_ = MachineCode::expansions;
     if (!is_used) repeated_ = nullptr;
+    if (!is_used && stream_ != nullptr) stream_->drop_code();
     if (all_ != nullptr) all_->use_machine_code(is_used);
 }
 
@@ -255,9 +257,9 @@ __attribute__((target("avx2"))) RBDYN_INLINE void SeriesEvaluator::compute_wide(
     series.compute<series::Four>(step, k);
 }
 RBDYN_INLINE void SeriesEvaluator::make_repeated() {
+    if (stream_ != nullptr) return stream_->make_code(*this);
     // code is that of one of them, and what it gains goes with how many there are
-    if (stream_ != nullptr || repeated_ != nullptr ||
-        expansions_++ < MachineCode::expansions / static_cast<int>(wavefront_->chunks.size()))
+    if (repeated_ != nullptr || expansions_++ < MachineCode::expansions / static_cast<int>(wavefront_->chunks.size()))
         return;
     repeated_ = RepeatedCode::of(*this);
     if (repeated_ == nullptr) expansions_ = std::numeric_limits<int>::min();  // not again

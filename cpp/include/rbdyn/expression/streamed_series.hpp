@@ -9,6 +9,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -23,6 +24,7 @@
 namespace rbdyn::inline RBDYN_FORM {
 
 class SeriesEvaluator;
+class StreamedCode;  // streamed_code.hpp
 
 class StreamedSeries {
 public:
@@ -30,8 +32,15 @@ public:
     /// that no step writes, in ascending order.
     StreamedSeries(const Program& program, const Schedule& schedule, const Wavefront& wavefront, int max_order,
                    std::span<const int> backwards);
+    ~StreamedSeries();
 
     std::size_t bytes() const { return lines_.size() * sizeof(Line) + values_.size() * sizeof(double); }
+    /// What is made of its program beside.
+    std::size_t bytes_of_lists() const;
+    /// From now on by machine code, if there is any to be had; or by lists alone.
+    void make_code(SeriesEvaluator& series);
+    void drop_code();
+    bool has_code() const { return code_ != nullptr; }
     void set_weights(std::span<const double> scalars);
 
     /// Writes the coefficients of a slot to `row`, if they are not there.
@@ -47,6 +56,9 @@ public:
     static void wide(SeriesEvaluator& series, int first, int last, bool integrates);
 
 private:
+    friend class StreamedCode;
+    friend class StreamedCodeWriter;
+    friend class StreamKinds;
     using Index = std::uint32_t;
     static constexpr Index none = static_cast<Index>(-1);
     /// How many of each kind come next.
@@ -94,6 +106,10 @@ private:
     void advance(SeriesEvaluator& series, int k, bool integrates);
     template <class Lanes>
     void advance_stage(SeriesEvaluator& series, const Stage& stage, Cursor& at, int k);
+    template <class Lanes>
+    void advance_step(SeriesEvaluator& series, Cursor& at, int k);
+    /// Where an order begins in each list.
+    Cursor begin(int k);
     void first_order(const Stage& stage, Cursor& at);
     void even_order(const Stage& stage, Cursor& at, int k);
     void odd_order(const Stage& stage, Cursor& at, int k);
@@ -128,6 +144,8 @@ private:
     int orders_ = 0;  // that are known
     std::vector<Schedule::Series> weight_scalars_;
     std::vector<series::LaneValues> weights_;
+    std::unique_ptr<StreamedCode> code_;
+    bool may_have_code_ = true;
 };
 
 }  // namespace rbdyn::inline RBDYN_FORM

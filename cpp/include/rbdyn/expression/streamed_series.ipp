@@ -10,9 +10,12 @@
 #include <vector>
 
 #include "rbdyn/basics/interruption.hpp"
+#include "rbdyn/expression/code_memory.hpp"
 #include "rbdyn/expression/program.hpp"
 #include "rbdyn/expression/schedule.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
+#include "rbdyn/expression/stream_kinds.hpp"
+#include "rbdyn/expression/streamed_code.hpp"
 #include "rbdyn/expression/wavefront.hpp"
 #include "rbdyn/series/coefficients.hpp"
 #include "rbdyn/series/lanes.hpp"
@@ -79,7 +82,7 @@ RBDYN_INLINE StreamedSeries::StreamedSeries(const Program& program, const Schedu
         for (int t = 0; t < i.terms; ++t)
             terms_.push_back({place_of(program.terms(i)[t].slot), index(program.terms(i)[t].weight)});
     };
-    for (const Schedule::Stage& from : schedule.stages) {
+    const auto add_stage = [&](const Schedule::Stage& from) {
         Stage stage;
         const auto is_spread = [](const Schedule::Series& s) {
             return s[0].scalar == Schedule::one && std::count(s.begin(), s.end(), s[0]) == Schedule::lanes;
@@ -154,9 +157,22 @@ RBDYN_INLINE StreamedSeries::StreamedSeries(const Program& program, const Schedu
             ++stage.steps;
         }
         stages_.push_back(stage);
-    }
+    };
+    // for code a stage is a sum with what comes with it, or another instruction: of these there are few kinds
+    const bool are_small = CodeMemory::is_built() && CodeMemory::is_usable();
     for (const Wavefront::Chunk& chunk : wavefront.chunks) {
-        ends_.push_back(index(chunk.stages.last));
+        for (std::size_t n = chunk.stages.first; n < chunk.stages.last; ++n) {
+            const Schedule::Stage& stage = schedule.stages[n];
+            if (!are_small) {
+                add_stage(stage);
+                continue;
+            }
+            for (std::size_t s = stage.sums.first; s < stage.sums.last; ++s)
+                add_stage({schedule.parts[s].series, {s, s + 1}, schedule.parts[s].combinations, {}});
+            for (std::size_t i = stage.others.first; i < stage.others.last; ++i)
+                if (!is_constant(*schedule.others[i])) add_stage({{}, {}, {}, {i, i + 1}});
+        }
+        ends_.push_back(index(stages_.size()));
         input_ends_.push_back(index(chunk.inputs.last));
     }
     for (const int input : wavefront.inputs) motion_.push_back({place_of(program.output(input)), place_of(input)});
@@ -268,17 +284,40 @@ RBDYN_INLINE_LANES void StreamedSeries::advance_stage(SeriesEvaluator& series, c
         for (Index l = 0; l < c.lanes; ++l) sum += lanes[c.first_lane + l];
         *at.made++ = sum;
     }
-    for (Index i = 0; i < stage.steps; ++i, ++at.step) {
-        const auto [reads, writes] = operands_[at.step];
-        for (const Row* const end = at.row + reads; at.row != end; ++at.row) {
-            const series::View to = series.slot(static_cast<int>(at.row->slot));
-            to.forward[k] = now[at.row->place];
-            if (at.row->is_copied) to.last[-k] = to.forward[k];
-        }
-        series.compute<Lanes>(series.steps_[at.step], k);
-        for (const Row* const end = at.row + writes; at.row != end; ++at.row)
-            *at.made++ = series.slot(static_cast<int>(at.row->slot))[k];
+    for (Index i = 0; i < stage.steps; ++i) advance_step<Lanes>(series, at, k);
+}
+
+template <class Lanes>
+RBDYN_INLINE_LANES void StreamedSeries::advance_step(SeriesEvaluator& series, Cursor& at, int k) {
+    const SeriesEvaluator::Step& step = series.steps_[at.step++];
+    for (const series::View* to : {&step.a, &step.b, &step.c}) {
+        if (to->forward == nullptr) continue;
+        to->forward[k] = at.now[at.row->place];
+        if ((at.row++)->is_copied) to->last[-k] = to->forward[k];
     }
+    series.compute<Lanes>(step, k);
+    for (const series::View* from : {&step.out, &step.out2}) {
+        if (from->forward == nullptr) continue;
+        *at.made++ = (*from)[k];
+        ++at.row;
+    }
+}
+
+RBDYN_INLINE StreamedSeries::Cursor StreamedSeries::begin(int k) {
+    double* const now = values(k);
+    return {now,
+            now + first_made_,
+            lines_.data() + static_cast<std::size_t>(k) / 2 * row_,
+            series_.data(),
+            spreads_.data(),
+            sizes_.data(),
+            products_.data(),
+            next_.data(),
+            lanes_.data(),
+            combinations_.data(),
+            terms_.data(),
+            0,
+            step_rows_.data()};
 }
 
 template <class Lanes>
@@ -287,24 +326,16 @@ RBDYN_INLINE_LANES void StreamedSeries::advance(SeriesEvaluator& series, int k, 
     if (k == 0) series.set_constants();
     take_rows(series, others_, k);
     if (k == 0 || !integrates) take_rows(series, inputs_, k);
-    Cursor at{now,
-              now + first_made_,
-              lines_.data() + static_cast<std::size_t>(k) / 2 * row_,
-              series_.data(),
-              spreads_.data(),
-              sizes_.data(),
-              products_.data(),
-              next_.data(),
-              lanes_.data(),
-              combinations_.data(),
-              terms_.data(),
-              0,
-              step_rows_.data()};
+    if (code_ != nullptr) code_->begin(k);
+    Cursor at = begin(k);
     const double factor = series.unit_ / (k + 1);
     Index stage = 0, input = 0;
     for (std::size_t chunk = 0; chunk < ends_.size(); ++chunk) {
         Interruption::point();
-        for (; stage < ends_[chunk]; ++stage) advance_stage<Lanes>(series, stages_[stage], at, k);
+        if (code_ != nullptr)
+            code_->run();
+        else
+            for (; stage < ends_[chunk]; ++stage) advance_stage<Lanes>(series, stages_[stage], at, k);
         if (!integrates) continue;
         for (; input < input_ends_[chunk]; ++input) {
             const SeriesEvaluator::Motion& m = series.motion_[input];
@@ -334,7 +365,64 @@ __attribute__((target("avx2"))) RBDYN_INLINE void StreamedSeries::wide(SeriesEva
                                                                        bool integrates) {
     run<series::Four>(series, first, last, integrates);
 }
+__attribute__((target("avx2"))) RBDYN_INLINE double* StreamedCode::step(const Frame* frame,
+                                                                        const SeriesEvaluator::Step* step,
+                                                                        std::uint64_t row, double* made) {
+    SeriesEvaluator& series = frame->self->series_;
+    StreamedSeries& stream = *series.stream_;
+    StreamedSeries::Cursor at;
+    at.now = frame->now;
+    at.made = made;
+    at.step = static_cast<std::size_t>(step - frame->steps);
+    at.row = stream.step_rows_.data() + row;
+    stream.advance_step<series::Four>(series, at, static_cast<int>(frame->k));
+    return at.made;
+}
+__attribute__((target("avx2"))) RBDYN_INLINE void StreamedCode::stage(Frame* frame, std::uint64_t left) {
+    const StreamedCode& self = *frame->self;
+    const StreamKinds::Place& place = self.kinds_.left[left];
+    StreamedSeries& stream = *self.series_.stream_;
+    const StreamedSeries::Stage& stage = stream.stages_[place.stage];
+    const int k = static_cast<int>(frame->k);
+    StreamedSeries::Cursor at = stream.begin(k);
+    at.made = frame->made;
+    at.line += place.line;
+    at.series += place.series;
+    at.spread += place.spread;
+    at.size += place.sum;
+    at.product += place.product;
+    at.next = frame->next;
+    at.lane += place.lane;
+    at.combination += place.combination;
+    at.term += place.term;
+    at.step = place.step;
+    at.row += place.row;
+    stream.advance_stage<series::Four>(self.series_, stage, at, k);
+    frame->made = at.made;
+    frame->line += stage.series + stage.spreads;
+    frame->next = at.next;
+    frame->operand = self.kinds_.operands.data() + place.next_operand;
+}
 #endif
+
+RBDYN_INLINE StreamedSeries::~StreamedSeries() = default;
+
+RBDYN_INLINE std::size_t StreamedSeries::bytes_of_lists() const {
+    const auto sum = [](const auto&... list) { return (... + (list.size() * sizeof list[0])); };
+    return sum(next_, stages_, series_, spreads_, sizes_, products_, lanes_, combinations_, terms_, steps_, operands_,
+               step_rows_, motion_, inputs_, others_, made_at_, given_) +
+           (code_ != nullptr ? code_->bytes() : 0);
+}
+
+RBDYN_INLINE void StreamedSeries::make_code(SeriesEvaluator& series) {
+    if (may_have_code_ && code_ == nullptr) code_ = StreamedCode::of(series);
+    may_have_code_ = false;
+}
+
+RBDYN_INLINE void StreamedSeries::drop_code() {
+    code_ = nullptr;
+    may_have_code_ = false;
+}
 
 RBDYN_INLINE void StreamedSeries::take_rows(SeriesEvaluator& series, const std::vector<Row>& rows, int k) {
     double* const now = values(k);
