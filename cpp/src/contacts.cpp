@@ -22,3 +22,4 @@
 #include "rbdyn/mechanics/tree_straight.ipp"
 #include "rbdyn/mechanics/tree_strikes.ipp"
 #include "rbdyn/mechanics/tree_touch.ipp"
+#include "rbdyn/mechanics/tree_turns.ipp"

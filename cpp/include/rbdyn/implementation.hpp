@@ -192,6 +192,7 @@
 #include "rbdyn/mechanics/tree_strikes.ipp"
 #include "rbdyn/mechanics/tree_taking.ipp"
 #include "rbdyn/mechanics/tree_touch.ipp"
+#include "rbdyn/mechanics/tree_turns.ipp"
 #include "rbdyn/mechanics/tree_writer.ipp"
 #include "rbdyn/member_abreast.ipp"
 #include "rbdyn/model/acting.ipp"

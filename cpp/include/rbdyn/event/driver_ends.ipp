@@ -27,6 +27,8 @@ namespace rbdyn::inline RBDYN_FORM {
 
 RBDYN_INLINE void Driver::finish(Record& record, Instant t, Status status) {
     record.end = t;
+    // bounces that are left out may end later than the run
+    std::erase_if(record.events, [&](const Event& e) { return e.instant - t > 0x1p-40 * std::abs(t.hi); });
     // what was found at the end of the last piece is not later than the end by its rounding
     for (auto e = record.events.rbegin(); e != record.events.rend() && e->instant - t > 0.0; ++e) {
         e->instant = t;

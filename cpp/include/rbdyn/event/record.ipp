@@ -51,6 +51,10 @@ RBDYN_INLINE void Record::note(Event event) {
         return event.instant - e.instant <= 8.0 * std::numeric_limits<double>::epsilon() * std::abs(event.time);
     };
     auto place = events.end();
+    // bounces that are left out end later than the instant from which they are
+    while (place != events.begin() && std::prev(place)->instant - event.instant >
+                                          8.0 * std::numeric_limits<double>::epsilon() * std::abs(event.time))
+        --place;
     if (place != events.begin() && is_together(*std::prev(place))) {
         event.instant = std::prev(place)->instant;
         event.time = event.instant.hi;

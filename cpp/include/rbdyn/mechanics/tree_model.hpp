@@ -355,12 +355,18 @@ private:
 
     /// The bounces that are not followed.
     struct LeftOut {
-        double time = 0.0;       // s: the sum of those to come
-        double unsure = 0.0;     // s: by how much it may be another
-        bool is_summed = false;  // to first order in their speed, from where that is the rounding of places
-        bool slid = false;       // what touched slid until the last of them
-        double pull = 0.0;       // m/s^2: how fast they are pressed together
+        double time = 0.0;         // s: the sum of those to come
+        double unsure = 0.0;       // s: by how much it may be another
+        bool is_summed = false;    // to first order in their speed, from where that is the rounding of places
+        bool slid = false;         // what touched slid until the last of them
+        double pull = 0.0;         // m/s^2: how fast they are pressed together
+        bool is_by_turns = false;  // of contacts that no force presses together
     };
+    /// The contacts that strike by turns after an impact, ever slower and without end though no force presses them
+    /// together, once rounding is about to take the speeds that are left for none. First those that are among
+    /// `closed`.
+    std::vector<int> ending_by_turns(const Mode& after, double t, std::span<const double> x,
+                                     std::span<const double> rest, const std::vector<int>& closed, LeftOut& left) const;
     /// The contacts that bounce on after an impact, if doubles cannot tell any of these bounces from rest: they are as
     /// short as the rounding of the time. `came` [m/s]: the speed of the fastest that has struck.
     std::vector<int> accumulating(const Mode& after, double t, std::span<const double> x, std::span<const double> rest,
@@ -400,6 +406,8 @@ private:
     // of the speed along the surface, some times what impulses take for rounding
     static constexpr double slowest_bounce = 3e-14;
     static constexpr double slow_bounce = 1024.0;  // of that: where friction may hide by rounding what an impact loses
+    // of their speed, some times what impulses take for rounding in what strikes by turns
+    static constexpr double slow_turn = 1e-12;
     // flights this much longer than the rounding of the time are not the last ones
     static constexpr double many_roundings = 0x1p20;
     /// What a row has of acceleration at a state, and the size of what that is made of.

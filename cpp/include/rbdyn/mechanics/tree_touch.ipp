@@ -211,6 +211,7 @@ RBDYN_INLINE void TreeModel::Encounter::strike() {
         for (const int k : landing) came = std::max(came, -rate(all, k));
         left.slid = model.conditions_->is_rough() && !model.follows_together(mode);
         group = model.accumulating(after, t, x, rest, closed, came, left);
+        if (group.empty() && after.impossible.empty()) group = model.ending_by_turns(after, t, x, rest, closed, left);
         if (group.empty() && after.impossible.empty() && (comes_back_at_once() || stays_at_last())) group = closed;
     }
     if (group.empty() && after.impossible.empty() && flight <= 8.0 * epsilon * std::abs(t))
@@ -341,6 +342,7 @@ RBDYN_INLINE void TreeModel::Encounter::tell() {
         if (last && model.conditions_->is_rough() &&
             (left.is_summed || (closed.size() > 1 && !model.follows_together(mode))))
             h.unsure = std::max(model.resistances() > 0 ? 1e-6 : 2e-11, left.unsure / std::abs(t));
+        if (last && left.is_by_turns) h.unsure = left.unsure / std::abs(t);
         happenings.push_back(std::move(h));
     }
 }
