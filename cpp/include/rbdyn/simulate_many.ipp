@@ -234,14 +234,11 @@ struct Checked {
     BoundParameters::Values numbers;
 };
 
-/// Of all members; none if the monitor ends it.
-RBDYN_INLINE std::optional<std::vector<Checked>> checked(const Scene& scene, const std::vector<Variation>& members,
-                                                         const std::function<bool(double)>& monitor) {
+RBDYN_INLINE std::vector<Checked> checked(const Scene& scene, const std::vector<Variation>& members) {
     std::vector<Checked> all;
     all.reserve(members.size());
     Scene tried = scene;
     for (const Variation& v : members) {
-        if (all.size() % 1024 == 1023 && monitor && !monitor(0.0)) return std::nullopt;
         try {
             Checked& own = all.emplace_back();
             for (const auto& [body, start] : v.starts) {
@@ -263,9 +260,7 @@ namespace rbdyn::inline RBDYN_FORM {
 
 RBDYN_INLINE std::vector<Member> simulate_many(const Scene& scene, const std::vector<Variation>& members,
                                                const ManyOptions& options) {
-    const auto known = simulating::checked(scene, members, options.monitor);
-    if (!known) return std::vector<Member>(members.size());
-    const std::vector<simulating::Checked>& all = *known;
+    const std::vector<simulating::Checked> all = simulating::checked(scene, members);
     // all numbers as they are now, whatever other threads make of them meanwhile
     const GivenNumbers given = planning::numbers_of(scene);
     BoundParameters::Values now;

@@ -172,7 +172,7 @@ TEST(MachineCode, is_made_when_it_pays_once_and_kept) {
     EXPECT_TRUE(are_same(expanded(*again, start, 20, true), first));
 }
 
-TEST(MachineCode, is_not_made_of_what_is_too_long_to_pay) {
+TEST(MachineCode, is_made_by_kinds_of_stages_of_what_is_too_long_to_pay) {
     Recorder r;
     std::vector<E> rates;
     const int count = 300;
@@ -184,10 +184,13 @@ TEST(MachineCode, is_not_made_of_what_is_too_long_to_pay) {
         rates.push_back(sum);
     }
     const Program program(r, rates, count);
-    SeriesEvaluator series(program, 24);
+    const Start start{0.0, 1.0, std::vector<double>(count, 1e-3), {}};
+    SeriesEvaluator series(program, 24), by_lists(program, 24);
     series.use_machine_code(true);
-    expanded(series, {0.0, 1.0, std::vector<double>(count, 1e-3), {}}, 24, true);
-    EXPECT_FALSE(series.has_machine_code());
+    const auto found = expanded(series, start, 24, true);
+    EXPECT_TRUE(series.has_streamed_code());
+    EXPECT_FALSE(series.has_repeated_code());
+    EXPECT_TRUE(are_same(found, expanded(by_lists, start, 24, true)));
 }
 
 }  // namespace
