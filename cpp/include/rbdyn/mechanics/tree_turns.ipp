@@ -31,8 +31,9 @@ struct Turns {
     double time = 0.0;       // s: when the last of them strikes
     std::vector<int> ended;  // those that strike until then
 
-    /// Whether they have such a limit. False: they part, or strike together what one impact does not decide.
-    bool end();
+    /// Whether they have such a limit, within a time. False: they part, or strike together what one impact does not
+    /// decide.
+    bool end(double longest);
 
 private:
     static constexpr int most = 20000;
@@ -74,7 +75,7 @@ RBDYN_INLINE void Turns::scale() {
         for (double& one : *all) one *= 0x1p300;
 }
 
-RBDYN_INLINE bool Turns::end() {
+RBDYN_INLINE bool Turns::end(double longest) {
     std::vector<int> last(size(), -1);
     const int some = 4 * static_cast<int>(size());
     for (int turn = 0, quiet = 0; turn < most; ++turn) {
@@ -93,6 +94,7 @@ RBDYN_INLINE bool Turns::end() {
         strike(i);
         last[i] = turn;
         time += flight;
+        if (time > longest) return false;
         quiet = flight <= shortest * time ? quiet + 1 : 0;
         if (quiet <= some) {
             scale();
@@ -129,7 +131,8 @@ RBDYN_INLINE std::vector<int> TreeModel::ending_by_turns(const Mode& after, doub
         least = std::min(least, std::abs(u));
         most = std::max(most, std::abs(u));
     }
-    if (near.size() < 2 || !(least <= 1e-9 * speed)) return {};
+    // what is left of the speeds is not yet less than what their rounding makes of any time
+    if (near.size() < 2 || !(least <= slow_turn * speed || most * most <= epsilon * speed * speed)) return {};
     // what others hold is struck with them
     listed = near;
     for (int k = 0; k < contacts(); ++k)
@@ -145,9 +148,8 @@ RBDYN_INLINE std::vector<int> TreeModel::ending_by_turns(const Mode& after, doub
         turns.acceleration.push_back(std::abs(w[i]) > noise[i] ? w[i] : 0.0);
         pull = std::max(pull, std::abs(turns.acceleration.back()));
     }
-    if (!turns.end()) return {};
     // those that a force ends are followed as far as doubles go
-    if (pull * turns.time > 0.5 * most) return {};
+    if (!turns.end(pull > 0.0 ? 0.5 * most / pull : std::numeric_limits<double>::infinity())) return {};
     // from where on what is left of the speeds is less than what their rounding makes of the times, and not later than
     // where impacts do not tell it from none
     const bool is_told = least <= slow_turn * speed,
