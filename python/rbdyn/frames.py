@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def _is(part: npt.NDArray[np.float64], value: Any) -> bool:
-    return part is value or np.array_equal(part, value)
+    return part is value or bool(np.array_equal(part, value))
 
 
 def _equal(self: tuple[Any, ...], other: object) -> bool:
