@@ -200,9 +200,6 @@ private:
 
     /// A multiple of another node by a parametric factor.
     bool scaled(std::int32_t n);
-    /// Whether a node is the time since, or until, another one: t - c, which is exact where both are near. As
-    /// w t - w c it would be rounded as these are, and all of a motion moved by that.
-    bool is_time_since(std::int32_t n);
 
     /// Counts the uses of every node that the outputs reach; multiples count as uses of what they multiply.
     void mark(const std::vector<Expression>& outputs);

@@ -103,12 +103,6 @@ RBDYN_INLINE bool Lowering::scaled(std::int32_t n) {
     return node.operation == Operation::multiply && !parametric(n) && (parametric(node.a) || parametric(node.b));
 }
 
-RBDYN_INLINE bool Lowering::is_time_since(std::int32_t n) {
-    const Node& node = r_.node(n);
-    if (node.operation != Operation::add || parametric(node.a) == parametric(node.b)) return false;
-    return r_.node(parametric(node.a) ? node.b : node.a).operation == Operation::time;
-}
-
 RBDYN_INLINE void Lowering::mark(const std::vector<Expression>& outputs) {
     for (const Expression& out : outputs) r_.node_of(out);  // constants become nodes
     uses_.assign(static_cast<std::size_t>(r_.size()), 0);
@@ -145,7 +139,7 @@ void Lowering::each_part(std::int32_t root, const F& part) {
         }
         const std::int32_t base = base_of(n, weight);
         const Node node = r_.node(base);
-        const bool inlined = (is_root && base == n) || (uses(base) <= 1 && (weight.is_one() || !is_time_since(base)));
+        const bool inlined = (is_root && base == n) || uses(base) <= 1;
         if (inlined && node.operation == Operation::add) {
             left.emplace_back(node.b, weight);
             left.emplace_back(node.a, weight);

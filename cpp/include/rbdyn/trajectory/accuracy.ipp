@@ -377,24 +377,20 @@ RBDYN_INLINE void AccuracyCheck::compare_at(const Place& place, const Record& ru
     note(1.0, false, has_forces);
     // what half a unit in the last place of the state does, which two runs may share; a sample of long runs will do
     const int sample = samples_++;
-    const bool is_sampled = sample % (sample < 8 ? 2 : 8) == 0;
-    if (is_sampled) {
+    if (sample % (sample < 8 ? 2 : 8) == 0) {
         x_ = y_;
         for (double& x : x_) x = std::nextafter(x, 2.0 * x);
         model_.observe(fine_mode, at.hi, x_, seen_);
         leave_out_rounding(nearer);
         note(0.5, true, has_forces);
         if (is_of_time(fine_mode)) note_late(fine_mode, at.hi, y_);
-    }
-    // and where forces depend on time, and it begins late, the rounding of the time at which they are taken: where it
-    // is of most effect may be the end of a mode
-    const std::size_t next = place.piece + 1;
-    const bool is_last = next == run.entries().size() || run.entries()[next].mode != run.entries()[place.piece].mode;
-    if ((is_sampled || is_last) && start_ != 0.0 && !is_formula(better) && is_of_time(fine_mode)) {
-        x_ = y_;
-        move_on(better.piece(place.fine_piece), place.there, std::numeric_limits<double>::epsilon() * start_);
-        model_.observe(fine_mode, at.hi, x_, seen_);
-        note(0.5, true, false);
+        // and where forces depend on time, and it begins late, the rounding of the time at which they are taken
+        if (start_ != 0.0 && !is_formula(better) && is_of_time(fine_mode)) {
+            x_ = y_;
+            move_on(better.piece(place.fine_piece), place.there, std::numeric_limits<double>::epsilon() * start_);
+            model_.observe(fine_mode, at.hi, x_, seen_);
+            note(1.0, true, false);
+        }
     }
     last_ = at.hi;
 }
