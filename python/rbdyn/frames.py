@@ -20,14 +20,14 @@ def _is(part: npt.NDArray[np.float64], value: Any) -> bool:
     return part is value or bool(np.array_equal(part, value))
 
 
-def _equal(self: tuple[Any, ...], other: object) -> bool:
+def _equal(self: tuple[Any, ...], other: object) -> Any:
     """Whether all of their numbers are equal."""
     if not isinstance(other, tuple):
         return NotImplemented
     return len(self) == len(other) and all(map(_is, self, other))
 
 
-def _unequal(self: tuple[Any, ...], other: object) -> bool:
+def _unequal(self: tuple[Any, ...], other: object) -> Any:
     return not _equal(self, other) if isinstance(other, tuple) else NotImplemented
 
 
