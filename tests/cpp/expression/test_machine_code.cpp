@@ -173,6 +173,7 @@ TEST(MachineCode, is_made_when_it_pays_once_and_kept) {
 }
 
 TEST(MachineCode, is_made_by_kinds_of_stages_of_what_is_too_long_to_pay) {
+    if (!is_made()) GTEST_SKIP() << "no machine code here";
     Recorder r;
     std::vector<E> rates;
     const int count = 300;

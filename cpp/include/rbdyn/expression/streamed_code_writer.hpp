@@ -5,7 +5,7 @@
 // Registers: di: values of this order; bx: the next one to be made; r15: lines of orders 0 and 1; bp: the next one to
 // be laid out; r9: how far from there those of this order are; r11: those of this order; r12: operands; r13: what of
 // the coming order is known, of the next sum; r14: code of products; si, r8: weights, of combinations and of series;
-// r10: where pieces are. bx, bp and r12 to r15 outlive a call.
+// r10: a step. bx, bp and r12 to r15 outlive a call.
 #pragma once
 
 #include <array>
